@@ -16,11 +16,11 @@ os.environ["PYTHONPATH"] = str(WORKFLOW)  # for the notebook's kernel
 import yaml
 
 from squeezefilm import __version__
-from squeezefilm.cli.main import commands_of
+from squeezefilm.cli.main import modules_of_commands
 from squeezefilm.columns import COLUMNS
 from squeezefilm.config.keys import key_table, schema
 from squeezefilm.film.gas import GASES_TABLE
-from squeezefilm.film.validity import LIMITS
+from squeezefilm.film.validity import VALIDITY_LIMITS
 
 project, version, release = "squeezefilm", __version__, __version__
 extensions = [
@@ -135,7 +135,7 @@ def write_generated() -> None:
     rows = [
         f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
         f"| {bound(limit.not_above)} | {limit.source} |"
-        for limit in LIMITS
+        for limit in VALIDITY_LIMITS
     ]
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
     names = (f"| `{name}` | {' | '.join(column[1:4])} |" for name, column in COLUMNS.items())
@@ -149,7 +149,7 @@ def write_generated() -> None:
     for path in sorted((HERE / "data").glob("*.csv")):
         (GENERATED / f"{path.stem}.md").write_text(measured(path), encoding="utf-8")
     helps = []
-    for name in commands_of():
+    for name in modules_of_commands():
         words = [sys.executable, "-m", "squeezefilm", name, "--help"]
         text = subprocess.run(words, capture_output=True, text=True, check=True, cwd=WORKFLOW)
         helps.append(f"## {name}\n\n```text\n{text.stdout}```\n")

@@ -14,7 +14,7 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
-from squeezefilm.provenance import WORKFLOW
+from squeezefilm.provenance import WORKFLOW_DIR
 from squeezefilm.sections import key_of
 from squeezefilm.studies.study import scene_of
 from squeezefilm_workflow.mock import mock_snakemake
@@ -95,7 +95,7 @@ def script() -> Callable[..., None]:
     ) -> None:
         files = output if isinstance(output, dict) else {"file": str(output)}
         job = mock_snakemake(input=input, output=files, params=params, threads=threads, **wildcards)
-        module = runpy.run_path(str(WORKFLOW / "scripts" / f"{name}.py"))
+        module = runpy.run_path(str(WORKFLOW_DIR / "scripts" / f"{name}.py"))
         module["main"](job, load_config(str(config)))
 
     return run

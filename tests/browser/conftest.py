@@ -35,7 +35,7 @@ class Browser:
     """Chromium, and what it said and asked for while a page was open."""
 
     driver: Any
-    shown: Path | None = None
+    in_shown_unit: Path | None = None
 
     def open(self, page: Path, *, size: tuple[int, int] = DESKTOP) -> list[dict[str, Any]]:
         """Open a page from the disk; the requests made until it was drawn."""
@@ -47,7 +47,7 @@ class Browser:
         self.requests()
         self.driver.get(page.as_uri())
         self.settle()
-        self.shown = page if size == DESKTOP else None
+        self.in_shown_unit = page if size == DESKTOP else None
         return self.requests()
 
     def settle(self) -> None:

@@ -12,13 +12,13 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.dynamics.response import gains, response
+from squeezefilm.dynamics.response import modulation_gains, response
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.studies.study import scene_of
 from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces
-from squeezefilm.units import to_its_error
+from squeezefilm.units import round_to_error
 
 from .conftest import Browser
 
@@ -95,7 +95,7 @@ START = {"h0": 5.0, "hv": 2.0, "phi-r": 0.0, "phi-phi": 0.0, "target": 1.0}
 def explorer(browser, results):
     """The page as it looks when it is opened; it stays open from test to test."""
     page = results / "explorer.html"
-    if browser.shown != page:
+    if browser.in_shown_unit != page:
         browser.open(page)
     browser.run(
         "const say = (e, kind) => e.dispatchEvent(new Event(kind, {bubbles: true}));"
@@ -157,7 +157,7 @@ def test_the_page_gives_a_value_the_digits_of_its_error_as_the_library_does(expl
         "return arguments[0].map((each) => toItsError(...each))", RESULT_ROW
     )
     for (value, error), shown in zip(RESULT_ROW, told, strict=True):
-        ours = [float(text) for text in to_its_error(value, error)]
+        ours = [float(text) for text in round_to_error(value, error)]
         assert [float(text.replace("−", "-")) for text in shown] == ours
 
 
@@ -180,7 +180,7 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results):
     for name in ("corner_hz", "static_gain", "instantaneous_gain"):
         assert shown[name] == pytest.approx(getattr(library, name), rel=1e-6)
     frequency_hz = pd.read_csv(results / "simulations/screen/gains.csv")["frequency_hz"].unique()
-    found = gains(scene, frequency_hz)
+    found = modulation_gains(scene, frequency_hz)
     assert shown["gain"] == pytest.approx(found.gain, rel=1e-6)
     assert shown["phase_deg"] == pytest.approx(found.phase_deg, rel=1e-6)
     levels = [np.unique(screen[name]) for name in ("h0_m", "hv_m")]

@@ -38,7 +38,7 @@ def redraw(results: Results, name: str, change: Callable[[Figure], None]) -> Non
     """Draw a figure's picture anew, with something changed."""
     path = results.folder / PLACE / f"{name}{PLAIN_SUFFIX}"
     study = StudyResults.of(results.folder, results.checkout / "config/quick.yaml")
-    with style.settings(notes=False):
+    with style.figure_style(notes=False):
         figure, _ = FIGURES[f"figures/{name}"](study)
         change(figure)
         path.unlink()

@@ -10,7 +10,7 @@ import numpy as np
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Piston, Profile, Sinc
 from squeezefilm.film.scene import Actuator, Gas, Scene
-from squeezefilm.reynolds.asymptotics.composite import AsymptoticForces, expanded
+from squeezefilm.reynolds.asymptotics.composite import AsymptoticForces, expand_scenes
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
@@ -100,7 +100,7 @@ def expansion_of(
     expand: Callable[[Films], AsymptoticForces], scene: Scene, *, tolerance: float
 ) -> tuple[float, float]:
     """A scene's force by an expansion and its error, in newtons."""
-    found = expanded(expand, plan_of(scene), [0], tolerance=tolerance)
+    found = expand_scenes(expand, plan_of(scene), [0], tolerance=tolerance)
     return found.mean[0] * scene.force_scale_n, found.error[0] * scene.force_scale_n
 
 

@@ -28,7 +28,7 @@ def random_scenes(
     like: of gas, pad and profile; its surface bounds the positions.
     """
     random = np.random.default_rng(seed)
-    farthest_m = min(like.actuator.surface.half_m) - like.pad.reach_m
+    farthest_m = min(like.actuator.surface.half_extents_m) - like.pad.reach_m
     scenes: list[Scene] = []
     while len(scenes) < count:
         h0_m, epsilon = random.uniform(*H0_M), random.uniform(*EPSILON)

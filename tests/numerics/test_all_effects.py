@@ -11,9 +11,9 @@ from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import BesselMode
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.quantities.edge_loss import force_changes
+from squeezefilm.quantities.edge_loss import edge_loss_changes
 from squeezefilm.quantities.model_error import (
-    MODEL_TOLERANCE,
+    AUTO_TERM_TOLERANCE,
     error_budgets,
     resolve_auto_terms,
 )
@@ -22,7 +22,7 @@ from squeezefilm.reynolds.solver import solve
 from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, forces_on_grid
 from squeezefilm_workflow.verification.modelling_errors import (
     included_effects,
-    interval_percent,
+    interval_bounds_percent,
     random_film,
 )
 
@@ -36,7 +36,7 @@ def test_a_modelling_error_holds_all_effects_together(seed: int) -> None:
     (scene,) = resolve_auto_terms([random_film(seed)])
     assert included_effects(scene) == row.included_effects
     (budget,) = error_budgets([scene])
-    lower, upper = interval_percent(budget)
+    lower, upper = interval_bounds_percent(budget)
     assert lower - row.solved_error_percent <= row.solved_lower_percent
     assert row.solved_upper_percent <= upper + row.solved_error_percent
 
@@ -68,7 +68,7 @@ def test_a_small_edge_loss_is_that_of_first_order(shape):
     both = [plain, replace(plain, edge_coefficient=1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=24, instants=17)
     (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    changes, _ = force_changes([scene], [solution], device=choose_device())
+    changes, _ = edge_loss_changes([scene], [solution], device=choose_device())
     assert changes[0, 0] == pytest.approx(having_n / without_n - 1, rel=0.02)
 
 
@@ -77,7 +77,9 @@ def test_the_edge_loss_of_a_film_that_newton_follows_in_shorter_steps_alone():
     terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
     scene = random_film(31).with_gas(**terms)
     (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    ((change, _), (error, _)) = force_changes([scene], [solution], device=choose_device())[..., 0]
+    ((change, _), (error, _)) = edge_loss_changes([scene], [solution], device=choose_device())[
+        ..., 0
+    ]
     both = [Effects(slip="first-order", edge_coefficient=each) for each in (0.0, 1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=64, instants=21)
     assert change == pytest.approx(having_n / without_n - 1, abs=error)
@@ -94,4 +96,4 @@ def test_auto_neglects_no_effect_whose_parts_cancel():
     own = Effects(inertia=scene.gas.inertia == "included", slip="none")
     every = [own, replace(own, inertia=True)]
     force_n, with_inertia_n = forces_on_grid(scene, every, points=64, instants=21)
-    assert force_n == pytest.approx(with_inertia_n, rel=MODEL_TOLERANCE)
+    assert force_n == pytest.approx(with_inertia_n, rel=AUTO_TERM_TOLERANCE)

@@ -14,7 +14,7 @@ from periodic_strip import PeriodicStrip
 from squeezefilm.film.scene import Scene
 from squeezefilm.lazy import cl
 from squeezefilm.quantities import states
-from squeezefilm.quantities.edge_loss import force_changes
+from squeezefilm.quantities.edge_loss import edge_loss_changes
 from squeezefilm.quantities.model_error import (
     EFFECT_NAMES,
     Effect,
@@ -46,7 +46,7 @@ def test_the_edge_loss_is_that_of_a_strip_at_every_order(
         density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
         scene = scene.with_gas(density_kg_per_m3=density)
         (solution,) = solve([scene], tolerance=1e-4, method="periodic", keep_states=True)
-        changes, _ = force_changes([scene], [solution], device=choose_device())
+        changes, _ = edge_loss_changes([scene], [solution], device=choose_device())
         lossless.append(solution.force_n)
         losses.append(solution.force_n * changes[:, 0])
     strip = PeriodicStrip(epsilon, sigma, np.ones_like, instants=33)
@@ -86,10 +86,10 @@ def test_a_force_with_its_budget_waits_for_few_programs(
     """With velocities, with a rarefied gas, with neither: each takes seconds to compile."""
     device = choose_device()
     unused = replace(device, queue=cl.CommandQueue(device.context))
-    built = devices._program.cache_info().misses
+    built = devices._built_program.cache_info().misses
     (found,) = error_budgets([scene.with_gas(inertia=every, thermal=every)], device=unused)
     assert not found.unknown
-    assert devices._program.cache_info().misses - built == programs
+    assert devices._built_program.cache_info().misses - built == programs
 
 
 def test_a_force_with_its_budget_takes_few_launches(

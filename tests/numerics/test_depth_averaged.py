@@ -17,9 +17,9 @@ from squeezefilm.quantities.model_error import (
 )
 from squeezefilm.reynolds import solve
 from squeezefilm_workflow.verification.second_order import (
-    averaged_force,
-    resolved_force,
-    table_points,
+    depth_averaged_force,
+    depth_resolved_force,
+    table_cases,
 )
 
 
@@ -52,12 +52,12 @@ def test_the_tables_nodes_come_back(scene):
 @pytest.mark.parametrize("row", [0, 18, 33])
 def test_a_row_of_the_table_is_found_again(row):
     """``squeezefilm-verification depth-averaged``; stored averages with heat are of ε 0.005."""
-    thermal, reynolds, sigma = table_points()[row]
+    thermal, reynolds, sigma = table_cases()[row]
     stored = pd.read_csv(DEPTH_AVERAGING_TABLE).loc[row]
     assert tuple(stored[["thermal", "reynolds", "sigma"]]) == (thermal, reynolds, sigma)
     numbers = {"reynolds": reynolds, "sigma": sigma, "thermal": thermal}
-    assert resolved_force(**numbers) == pytest.approx(stored["resolved"], abs=6e-7)
-    assert averaged_force(**numbers) == pytest.approx(stored["averaged"], abs=2e-6)
+    assert depth_resolved_force(**numbers) == pytest.approx(stored["resolved"], abs=6e-7)
+    assert depth_averaged_force(**numbers) == pytest.approx(stored["averaged"], abs=2e-6)
 
 
 def test_the_error_falls_to_zero_with_re_and_is_smooth_in_both(scene):

@@ -158,8 +158,8 @@ def test_a_derivative_that_agrees_by_chance_has_the_error_of_others(monkeypatch)
     scene = random_film(33, seed=77).scene
     ratios = []
     closer = derivatives(scene, tolerance=3e-4)
-    for fraction in (module.FRACTION_OF_OTHERS, 0.0):
-        monkeypatch.setattr(module, "FRACTION_OF_OTHERS", fraction)
+    for fraction in (module.MIN_CHANGE_FRACTION, 0.0):
+        monkeypatch.setattr(module, "MIN_CHANGE_FRACTION", fraction)
         ratios.append(max(shares([derivatives(scene, tolerance=1e-2)], [closer])["h0_m"]))
     assert ratios[0] < 1 < ratios[1]
 

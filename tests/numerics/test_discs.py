@@ -23,7 +23,10 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.solver import solve
 from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid
-from squeezefilm_workflow.verification.published.linear_film import depth_averaged, disc_response
+from squeezefilm_workflow.verification.published.linear_film import (
+    depth_averaged_factors,
+    disc_response,
+)
 
 BOTH = {"inertia": "included", "thermal": "included"}
 
@@ -95,7 +98,7 @@ def test_a_small_motion_has_the_linear_theory_s_force(reynolds, sigma):
         outputs=("harmonics",),
         tolerance=1e-4,
     )
-    factors = depth_averaged(reynolds, prandtl=0.0, heat_capacity_ratio=1.4)
+    factors = depth_averaged_factors(reynolds, prandtl=0.0, heat_capacity_ratio=1.4)
     force = complex(found.outputs.value["force_in_phase"], found.outputs.value["force_quadrature"])
     ours = -force / (scene.force_scale_n * scene.epsilon)
     assert ours == pytest.approx(disc_response(sigma, factors), rel=2e-5)

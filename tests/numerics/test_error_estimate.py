@@ -13,9 +13,13 @@ from squeezefilm.film.surfaces import Disc
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import refinement
-from squeezefilm_workflow.verification.estimates import film_of, guard_switched_off, read_films
+from squeezefilm_workflow.verification.estimates import (
+    film_of_row,
+    guard_switched_off,
+    read_stored_films,
+)
 
-JUDGED = read_films(Path(__file__).parent / "data" / "judged_films.csv")
+JUDGED = read_stored_films(Path(__file__).parent / "data" / "judged_films.csv")
 # Films and the guards that they need, which stand behind the colon of a name.
 GUARDED = [
     (number, guard)
@@ -53,7 +57,7 @@ def test_a_state_with_negative_pressure_is_no_solution(monkeypatch):
         ]
 
     monkeypatch.setattr(reynolds.periodic.launch.Launch, "states", negative)
-    monkeypatch.setattr(refinement, "MOST_UNKNOWNS", 20_000)
+    monkeypatch.setattr(refinement, "MAX_UNKNOWNS", 20_000)
     (solution,) = solve([film(epsilon=0.3, sigma=20.0)], tolerance=1e-2, method="periodic")
     assert np.isnan(solution.force_n)
     assert "not converged: the pressure is not positive everywhere" in solution.status
@@ -82,13 +86,13 @@ __kernel void most(__global const double4 *values, __global double *result,
     for hidden, expected in ((values[place], 7.0), (np.nan, np.nan)):
         values[place] = hidden
         buffer = cl.Buffer(device.context, cl.mem_flags.WRITE_ONLY, 8)
-        most(device.queue, (1,), (1,), device.sent(values), buffer, cl.LocalMemory(8))
+        most(device.queue, (1,), (1,), device.copied_to_buffer(values), buffer, cl.LocalMemory(8))
         cl.enqueue_copy(device.queue, result, buffer)
         assert np.array_equal(result[0], expected, equal_nan=True)
 
 
 def error_over_estimate(row) -> float:
-    scene = film_of(row).scene
+    scene = film_of_row(row).scene
     (solution,) = solve([scene], tolerance=row["tolerance"], method="periodic")
     assert solution.force_error_n <= row["tolerance"] * abs(solution.force_n)
     error_n = abs(solution.force_n - scene.force_scale_n * row["force"])

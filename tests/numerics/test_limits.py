@@ -14,17 +14,17 @@ from squeezefilm.reynolds.asymptotics import films as estimates
 from squeezefilm.reynolds.asymptotics.composite import (
     composite_expansion,
     edge_layer_expansion,
-    expanded,
-    expansion_points,
+    expand_scenes,
+    expansion_point_count,
     high_squeeze_limit,
     small_amplitude_expansion,
 )
 from squeezefilm.reynolds.asymptotics.films import expansion_axis
 from squeezefilm.reynolds.plan import plan_of
-from squeezefilm_workflow.verification.edge_layers import excursions, layer
-from squeezefilm_workflow.verification.estimates import film_of, read_films
+from squeezefilm_workflow.verification.edge_layers import solve_layer, table_excursions
+from squeezefilm_workflow.verification.estimates import film_of_row, read_stored_films
 
-STORED = read_films(Path(__file__).parent / "data" / "expanded_films.csv")
+STORED = read_stored_films(Path(__file__).parent / "data" / "expanded_films.csv")
 EXPANSIONS = {
     "edge layer": edge_layer_expansion,
     "second order": small_amplitude_expansion,
@@ -48,8 +48,8 @@ def test_boundary_layer_functions_at_known_excursions(a, d, g):
 def test_the_layer_of_a_row_of_the_table_is_found_again(row):
     """``squeezefilm-verification edge-layers``."""
     table = np.loadtxt(edge_layer.LAYER_TABLE, delimiter=",", skiprows=1)
-    a = excursions()[row]
-    assert (a, *layer(a)) == pytest.approx(table[row], rel=1e-8)
+    a = table_excursions()[row]
+    assert (a, *solve_layer(a)) == pytest.approx(table[row], rel=1e-8)
 
 
 def test_boundary_layer_of_small_excursions_is_linear():
@@ -152,7 +152,7 @@ def test_limits_say_where_they_do_not_hold():
 def test_error_estimates_hold_on_random_films(method, largest_median, random_films):
     ratios = []
     for numbers, profile, converged in random_films:
-        points = expansion_points(
+        points = expansion_point_count(
             tolerance=1e-3, sigma=numbers["sigma"] * max(1.0, numbers["aspect"]) ** 2
         )
         epsilon, sigma = [numbers["epsilon"]], [numbers["sigma"]]
@@ -167,8 +167,8 @@ def test_error_estimates_hold_on_random_films(method, largest_median, random_fil
 
 
 def error_over_estimate(row) -> float:
-    plan, layers = plan_of(film_of(row).scene), row["expansion"] != "edge layer"
-    found = expanded(EXPANSIONS[row["expansion"]], plan, [0], tolerance=1e-4, layers=layers)
+    plan, layers = plan_of(film_of_row(row).scene), row["expansion"] != "edge layer"
+    found = expand_scenes(EXPANSIONS[row["expansion"]], plan, [0], tolerance=1e-4, layers=layers)
     return float((abs(found.mean - row["force"]) / (found.error + row["force_error"])).item())
 
 

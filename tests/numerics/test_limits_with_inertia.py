@@ -17,12 +17,12 @@ from squeezefilm.reynolds.asymptotics.composite import (
     high_squeeze_limit,
     small_amplitude_expansion,
 )
-from squeezefilm.reynolds.asymptotics.edge_layer import INERTIA_ROWS
+from squeezefilm.reynolds.asymptotics.edge_layer import EXCURSIONS_WITH_INERTIA
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm_workflow.verification.edge_layers import (
-    excursions_with_inertia,
-    layers_with_inertia,
-    reynolds_numbers,
+    layer_rows_with_inertia,
+    table_excursions_with_inertia,
+    table_reynolds_numbers,
 )
 
 SINC_ALONG = 1.098
@@ -85,7 +85,7 @@ def test_rim_of_small_excursions(reynolds: float) -> None:
 
 @pytest.mark.parametrize(("a", "reynolds"), [(0.4, 0.45), (0.3, 3.3), (0.2, 8.0)])
 def test_table_between_its_rows(a: float, reynolds: float) -> None:
-    ((_, _, *found),) = layers_with_inertia(reynolds, [a])
+    ((_, _, *found),) = layer_rows_with_inertia(reynolds, [a])
     assert at(a, reynolds) == pytest.approx(found, abs=1e-4)
     assert at(a, reynolds)[0] == pytest.approx(found[0], rel=1e-6)
 
@@ -93,9 +93,9 @@ def test_table_between_its_rows(a: float, reynolds: float) -> None:
 def test_the_layer_of_a_row_of_the_table_is_found_again() -> None:
     """``squeezefilm-verification edge-layers``."""
     table = np.loadtxt(edge_layer.LAYER_TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
-    reynolds = reynolds_numbers()[2]
-    found = layers_with_inertia(reynolds, excursions_with_inertia(reynolds)[:1])
-    assert found[0] == pytest.approx(table[2 * INERTIA_ROWS], rel=1e-8)
+    reynolds = table_reynolds_numbers()[2]
+    found = layer_rows_with_inertia(reynolds, table_excursions_with_inertia(reynolds)[:1])
+    assert found[0] == pytest.approx(table[2 * EXCURSIONS_WITH_INERTIA], rel=1e-8)
 
 
 def test_table_says_where_it_ends() -> None:

@@ -9,7 +9,7 @@ from sheared_strip import chebyshev
 from squeezefilm.api.film import Film
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import error_budgets
-from squeezefilm.quantities.moving_profile import force_changes
+from squeezefilm.quantities.moving_profile import moving_profile_changes
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 
@@ -105,7 +105,7 @@ def test_the_profiles_motion_is_a_part_of_the_modelling_error():
     numbers, places = {"sigma": 200.0, "bearing": 0.2}, [0.1, 0.6, -0.6]
     scenes = scenes_at(places, **numbers)
     solutions = solve(scenes, tolerance=1e-3, method="periodic", keep_states=True)
-    (found,), (errors,) = force_changes(scenes, solutions, device=choose_device())
+    (found,), (errors,) = moving_profile_changes(scenes, solutions, device=choose_device())
     forces = marched(
         lambda x: np.cos(WAVE_NUMBER * LENGTH_M * (x - 0.5)),
         **numbers,

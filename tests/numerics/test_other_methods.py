@@ -27,7 +27,7 @@ ASIDE = film("", 0.4, SQUEEZE_5UM, x=0.29)
 
 def periodic(scene: Scene, **settings: Any) -> float:
     """The force by the periodic state in NumPy."""
-    return numpy_periodic.periodic_state(scene, **settings)
+    return numpy_periodic.periodic_mean_force(scene, **settings)
 
 
 def orders(values: list[float], exact: float) -> FloatArray:

@@ -17,7 +17,7 @@ from squeezefilm.film.pad import GapShape
 from squeezefilm.film.positions import cartesian
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.outputs import _from_states
+from squeezefilm.quantities.outputs import _outputs_from_states
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
@@ -257,7 +257,9 @@ def test_the_answers_under_an_ellipse_are_those_of_its_modes():
     """By two methods that share no more than the equation."""
     scene = pad(film(epsilon=0.44, sigma=100.0, aspect=0.8, x=0.2, y=0.1), shape="ellipse")
     forces = solve([scene], tolerance=1e-4, method="periodic", keep_states=True)
-    ((values, missing),) = _from_states(Scenes.of([scene]), forces, tolerance=1e-4, device=None)
+    ((values, missing),) = _outputs_from_states(
+        Scenes.of([scene]), forces, tolerance=1e-4, device=None
+    )
     assert not missing
     for name, (expected, error) in MODES.items():
         value, estimated = values[name]

@@ -24,7 +24,7 @@ from squeezefilm.quantities.fields import dot
 from squeezefilm.quantities.outputs import (
     STATE_OUTPUTS,
     missing_reasons,
-    momentum_out,
+    momentum_outflow_n,
     with_outputs,
 )
 from squeezefilm.quantities.pressure import pressure
@@ -159,8 +159,8 @@ def momentum_from_inside(scene: Scene, grid: Grid, unknowns: np.ndarray) -> np.n
         around = grid.y.weights
         if grid.outline:  # over the conjugate of z′, in a mean with the area behind each point
             mu = grid.outline.edge_mu * (2 * places[0] - 1)
-            turn = grid.outline.map_slope(mu, places[1]) * grid.outline.typical_stretch**0.5
-            turn = turn / grid.outline.mean_stretch
+            turn = grid.outline.map_slope(mu, places[1]) * grid.outline.mean_edge_area_ratio**0.5
+            turn = turn / grid.outline.mean_area_ratio
         else:
             around = interpolatory(nodes[1])
         mean = interpolatory(nodes[0]) @ (field.mean(axis=-1) * turn) @ around
@@ -200,7 +200,7 @@ def test_gas_that_flows_out_carries_its_velocity_along_the_rim(shape: str) -> No
     grid = Grid(32, 32, 24, fold_x=False, fold_y=False, outline=scene.pad.smooth_outline)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     unknowns = state.unknowns[0]
-    leaving = momentum_out(Fields.of([scene], grid, state.unknowns))
+    leaving = momentum_outflow_n(Fields.of([scene], grid, state.unknowns))
     expected = momentum_from_inside(scene, grid, unknowns)
     assert leaving == pytest.approx(expected, rel=2e-4)
 
@@ -376,7 +376,9 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
         *("power_w", "power_error_w", "thrust_x_n", "thrust_x_error_n", "thrust_y_n"),
         *("thrust_y_error_n", "sliding_friction_n", "sliding_friction_error_n", "outputs_status"),
     ]
-    assert set(list(table)[len(forces) :]) <= Outputs(asked=tuple(OUTPUTS)).columns().keys()
+    assert (
+        set(list(table)[len(forces) :]) <= Outputs(requested_names=tuple(OUTPUTS)).columns().keys()
+    )
     merge_forces(plan, [output], output=whole, keep_failed=False)
     pd.testing.assert_frame_equal(pd.read_csv(whole), table)
     assert "'lift' is none of" in refused(*command, "--outputs", "lift", status=2)

@@ -13,17 +13,17 @@ from squeezefilm.config.study import Study
 from squeezefilm.models.data import Factors, factors_of
 from squeezefilm.models.fitting import fit_model
 from squeezefilm.models.force_model import get_model
-from squeezefilm.models.prediction_interval import error_sizes
+from squeezefilm.models.prediction_interval import error_statistics
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import space_of
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.studies.tasks import physics_limits as limits
-from squeezefilm.studies.tasks.physics_limits import with_limits
+from squeezefilm.studies.tasks.physics_limits import with_asymptotes
 
 
 def limits_of(table: pd.DataFrame, paper: Study) -> pd.DataFrame:
-    return with_limits(table, scenes_in(table, paper))
+    return with_asymptotes(table, scenes_in(table, paper))
 
 
 def reference(name: str, paper: Study) -> tuple[Factors, np.ndarray]:
@@ -44,7 +44,7 @@ def control(paper):
 def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
     factors, force = points
     model_n = get_model(name).evaluate(theta, factors)
-    return error_sizes(model_n=model_n, simulation_n=force)["global_error"]
+    return error_statistics(model_n=model_n, simulation_n=force)["global_error"]
 
 
 def test_on_a_thousand_points_it_is_ten_times_better_than_the_fitted_formula(control):
@@ -70,7 +70,7 @@ def with_inertia(table: pd.DataFrame, paper: Study) -> tuple[Factors, np.ndarray
     """A plan's factors with the limits, their errors and the forces by the periodic state."""
     scenes = scenes_in(table, paper)
     scenes = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
-    known = with_limits(table, scenes)
+    known = with_asymptotes(table, scenes)
     solutions = solve(scenes, tolerance=1e-5, method="periodic")
     force_n = np.array([each.force_n for each in solutions])
     return factors_of(known), known["limit_error_n"].to_numpy(), force_n
@@ -121,4 +121,4 @@ def test_a_table_of_limits_has_gaps_and_positions_enough(
     monkeypatch.setattr(limits, "space_of", lambda config: SimpleNamespace(limits=dict(box)))
     table = limits.limit_table_of(changed(paper, **sections))
     assert table.largest_relative_error < error
-    assert len(table.coefficients["limit_n"]) <= limits.MOST_NODES
+    assert len(table.coefficients["limit_n"]) <= limits.MAX_TABLE_NODES

@@ -16,9 +16,9 @@ from squeezefilm.errors import RunError
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 from squeezefilm_workflow.verification.published import comparison
 from squeezefilm_workflow.verification.published.linear_film import (
-    Factors,
-    depth_averaged,
-    exact_flow,
+    FilmFactors,
+    depth_averaged_factors,
+    exact_factors,
     piston_response,
     radial_pressure,
 )
@@ -33,7 +33,7 @@ def docs_rows(repository, table):
 
 
 def table(*rows):
-    return list(comparison.tabulated(rows).itertuples())
+    return list(comparison.table_of_rows(rows).itertuples())
 
 
 @pytest.mark.parametrize("reynolds", [0.1, 4.0, 40.0])
@@ -46,13 +46,13 @@ def test_the_factors_are_means_of_profiles_solved_for_across_the_gap(reynolds):
         inside = np.linalg.solve(operator[1:-1, 1:-1], np.ones(40))
         return grid.weights[1:-1] @ inside
 
-    flow, density = exact_flow(reynolds, **AIR)
+    flow, density = exact_factors(reynolds, **AIR)
     assert flow == pytest.approx(12 * mean(reynolds), rel=1e-10)
     thermal = AIR["prandtl"] * reynolds
     assert density == pytest.approx(1 - 0.4 / 1.4 * 1j * thermal * mean(thermal), rel=1e-10)
-    assert exact_flow(reynolds, **AIR | {"prandtl": 0.0}).density == 1
-    parabolic = depth_averaged(1e-3 * reynolds, **AIR)
-    assert exact_flow(1e-3 * reynolds, **AIR) == pytest.approx(parabolic, abs=1e-6 * reynolds**2)
+    assert exact_factors(reynolds, **AIR | {"prandtl": 0.0}).density == 1
+    parabolic = depth_averaged_factors(1e-3 * reynolds, **AIR)
+    assert exact_factors(1e-3 * reynolds, **AIR) == pytest.approx(parabolic, abs=1e-6 * reynolds**2)
 
 
 def test_the_series_is_blechs_and_keeps_power_for_any_factors():
@@ -63,13 +63,13 @@ def test_the_series_is_blechs_and_keeps_power_for_any_factors():
         assert piston_response(60.0, aspect) == pytest.approx(
             complex(*double_series(60.0, aspect)), rel=2e-5
         )
-    factors = exact_flow(4.0, **AIR)
+    factors = exact_factors(4.0, **AIR)
     as_sigma = piston_response(60.0 * factors.density / factors.flow) / factors.density
     assert piston_response(60.0, factors=factors) == pytest.approx(as_sigma, rel=1e-12)
 
 
 def test_a_pressure_of_a_known_motion_comes_back_around_a_hole():
-    factors, squeeze, r = Factors(0.9 - 0.3j, 0.95 + 0.05j), 30.0, np.linspace(0.2, 1.0, 60)
+    factors, squeeze, r = FilmFactors(0.9 - 0.3j, 0.95 + 0.05j), 30.0, np.linspace(0.2, 1.0, 60)
     pressure = (1 - r) ** 2 * (1 + 2j) + 3
     laplacian = (1 + 2j) * (2 - 2 * (1 - r) / r)
     motion = factors.flow * laplacian / (1j * squeeze) - factors.density * pressure
@@ -78,7 +78,11 @@ def test_a_pressure_of_a_known_motion_comes_back_around_a_hole():
 
 
 def test_plate_slider_rarefied_gas_and_holes_are_as_the_docs_show_them(repository):
-    rows = table(*comparison.plate(), *comparison.inclined_slider(), *comparison.rarefied_gas())
+    rows = table(
+        *comparison.compare_plate(),
+        *comparison.compare_inclined_slider(),
+        *comparison.compare_rarefied_flow(),
+    )
     exact_values = [0.01529838, 28651.31, 2.410886, 0.57365352, 0.710850]
     assert [row.exact for row in rows[:5]] == pytest.approx(exact_values, rel=1e-6)
     assert max(row.solver_deviation for row in rows) < 1e-6
@@ -86,8 +90,8 @@ def test_plate_slider_rarefied_gas_and_holes_are_as_the_docs_show_them(repositor
     # The published flow is 0.3 % too large at D = 0.01; from 0.015 to 0.03 it is 0.1 % too small.
     scattered, *flows = [row.exact_deviation for row in rows[5:]]
     assert max(flows) < 5e-4 < scattered < 4e-3
-    holes = table(*comparison.radial_films())
-    holes = [row for row in holes if row.quantity != comparison.RADIAL_QUANTITY.format(0)]
+    holes = table(*comparison.compare_radial_films())
+    holes = [row for row in holes if row.quantity != comparison.RADIAL_PRESSURE_TEXT.format(0)]
     assert all(20 * row.exact_deviation < row.viscous_deviation < 0.6 for row in holes)
     shown = rows + holes
     cells = docs_rows(repository, "published")
@@ -104,20 +108,23 @@ def test_plate_slider_rarefied_gas_and_holes_are_as_the_docs_show_them(repositor
 
 
 def test_depth_averaging_is_as_the_docs_show_it_and_of_no_other_terms(repository, monkeypatch):
-    found = [each["solver_deviation"] for each in comparison.depth_averaging((4.0,), (1.0, 100.0))]
+    found = [
+        each["solver_deviation"]
+        for each in comparison.compare_depth_averaging((4.0,), (1.0, 100.0))
+    ]
     shown = [cells for cells in docs_rows(repository, "depth_averaging") if cells[1] == "4"]
     assert len(shown) == 4
     assert [f"{each:.1e}" for each in found] == [row[k] for row in shown for k in (2, 4)]
-    monkeypatch.setattr(comparison, "depth_averaged", exact_flow)
+    monkeypatch.setattr(comparison, "depth_averaged_factors", exact_factors)
     with pytest.raises(RunError, match="first harmonic at Re 4, σ 1: "):
-        list(comparison.depth_averaging((4.0,), (1.0,)))
+        list(comparison.compare_depth_averaging((4.0,), (1.0,)))
     reasons = iter(["not converged: GMRES; no force"] * 4 + ["not supported: a piston"])
 
     def fail(*_: object, **how: object) -> None:
         raise RunError(next(reasons))
 
-    monkeypatch.setattr(comparison, "_quantities", fail)
-    rows = list(comparison.depth_averaging((4.0,), (1.0,)))
+    monkeypatch.setattr(comparison, "_solved_quantities", fail)
+    rows = list(comparison.compare_depth_averaging((4.0,), (1.0,)))
     assert all(np.isnan(row["solver"]) and "GMRES" in row["status"] for row in rows)
     with pytest.raises(RunError, match="a piston"):
-        list(comparison.depth_averaging((4.0,), (1.0,)))
+        list(comparison.compare_depth_averaging((4.0,), (1.0,)))

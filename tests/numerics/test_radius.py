@@ -13,7 +13,7 @@ from squeezefilm.film.profiles import BesselMode, Formula, Profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.derivatives import with_derivatives
-from squeezefilm.quantities.edge_loss import added_by_edge, force_changes
+from squeezefilm.quantities.edge_loss import edge_loss_changes, edge_pressure_arrays
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.quantities.pressure import pressure
@@ -130,7 +130,7 @@ def test_a_pressure_that_the_edge_shares_with_the_film_drives_no_flow():
     viscous = (rise + rise**2 / 2) * films.gap[:, :1] ** 1.5
     second = grid.x.second_derivative.sum(axis=1)[:, None, None]
     inside = films.gap[films.inner] ** 1.5 * viscous * second
-    flow = added_by_edge(films)["edge_flow"]
+    flow = edge_pressure_arrays(films)["edge_flow"]
     assert np.abs(flow + inside).max() < 1e-11 * np.abs(flow).max()
 
 
@@ -149,7 +149,7 @@ def test_quantities_are_those_of_the_whole_disc():
         for name, value in one.value.items():
             off = abs(value - other.value[name])
             assert off <= one.error[name] + other.error[name] or np.isnan(value), name
-    changes, errors = force_changes(both, states, device=how["device"])
+    changes, errors = edge_loss_changes(both, states, device=how["device"])
     assert (abs(changes[:, 0] - changes[:, 1]) <= errors.sum(axis=1)).all()
     across = np.linspace(0, 1, 9)
     fields = [pressure(scene, x=across, y=across, instants=4, **how)[0] for scene in both]

@@ -6,19 +6,27 @@ import numpy as np
 import pytest
 
 from squeezefilm_workflow.verification import comparisons
-from squeezefilm_workflow.verification.comparisons import Comparison, compared
-from squeezefilm_workflow.verification.random_studies import coverages, statements, summary
-from squeezefilm_workflow.verification.study_generator import FRACTIONS_OF_KIND, drawn, random_study
+from squeezefilm_workflow.verification.comparisons import Comparison, compare_study
+from squeezefilm_workflow.verification.random_studies import (
+    compare_statements,
+    interval_coverages,
+    outcome_counts,
+)
+from squeezefilm_workflow.verification.study_generator import (
+    PROBABILITIES_OF_KIND,
+    drawn_values,
+    random_study,
+)
 
 # Of those that take a second or two: plates, discs, pistons, small pads, every flow model.
 SEEDS = (2, 3, 11, 22, 24, 29, 36, 38, 43, 46, 57)
 
 
 def test_nothing_stated_of_random_studies_is_sure_and_wrong():
-    table = statements(SEEDS, points=1)
+    table = compare_statements(SEEDS, points=1)
     wrong = table[table["outcome"] == "sure and wrong"]
     assert wrong.empty, wrong[["seed", "command", "quantity", "note"]].to_string()
-    counts = summary(table).set_index("quantity")["within"]
+    counts = outcome_counts(table).set_index("quantity")["within"]
     assert counts["force / N"] >= 8
     assert counts["gap / m"] >= 5
     assert counts["stiffness / (N/m)"] >= 5
@@ -30,7 +38,7 @@ def test_nothing_stated_of_random_studies_is_sure_and_wrong():
 
 def test_an_error_that_is_stated_too_small_is_found(monkeypatch, tmp_path):
     """A force off by ten times its stated error, and one that is stated as not valid."""
-    honest = comparisons.forces_of
+    honest = comparisons.solve_forces
 
     def wrong(scenes, **how):
         for force in honest(scenes, **how):
@@ -39,10 +47,14 @@ def test_an_error_that_is_stated_too_small_is_found(monkeypatch, tmp_path):
             yield replace(force, solution=solution)
 
     study = random_study(2, folder=tmp_path)
-    first = next(each for each in compared(study, points=1, seed=2) if each.quantity == "force / N")
+    first = next(
+        each for each in compare_study(study, points=1, seed=2) if each.quantity == "force / N"
+    )
     assert first.outcome == "within"
-    monkeypatch.setattr(comparisons, "forces_of", lambda *some, **how: list(wrong(*some, **how)))
-    first = next(each for each in compared(study, points=1, seed=2) if each.quantity == "force / N")
+    monkeypatch.setattr(comparisons, "solve_forces", lambda *some, **how: list(wrong(*some, **how)))
+    first = next(
+        each for each in compare_study(study, points=1, seed=2) if each.quantity == "force / N"
+    )
     assert first.outcome == "sure and wrong"
     reserved = replace(first, valid=False)
     assert reserved.outcome == "outside, not stated as valid"
@@ -53,7 +65,7 @@ def test_what_has_no_direct_solution_is_not_counted_as_right():
 
 
 def test_prediction_intervals_of_random_studies_hold_their_share_of_fresh_points():
-    table = coverages(
+    table = interval_coverages(
         (46, 38), models=("polynomial_3", "limit_1", "polynomial_5"), fresh=200, sample=200
     )
     assert table["seed"].nunique() == 2
@@ -62,14 +74,14 @@ def test_prediction_intervals_of_random_studies_hold_their_share_of_fresh_points
 
 
 def test_a_seed_draws_the_same_study_and_seeds_draw_all_kinds(tmp_path):
-    assert drawn(7) == drawn(7)
-    studies = [drawn(seed) for seed in range(60)]
+    assert drawn_values(7) == drawn_values(7)
+    studies = [drawn_values(seed) for seed in range(60)]
     kinds = {each["actuator"]["profile"]["kind"] for each in studies}
     assert kinds == {"bessel", "standing-wave", "travelling-wave", "piston"}
     assert {each["pad"]["shape"] for each in studies} == {"rectangle", "ellipse"}
     assert {each["gas"]["rarefaction"] for each in studies} == {"none", "slip", "fukui-kaneko"}
 
 
-@pytest.mark.parametrize("kind", FRACTIONS_OF_KIND)
+@pytest.mark.parametrize("kind", PROBABILITIES_OF_KIND)
 def test_every_kind_of_study_is_a_configuration(kind, tmp_path):
     assert random_study(3, folder=tmp_path, kind=kind).name == "random-3"

@@ -17,10 +17,10 @@ from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.quantities.sheared_gas import (
-    added_by_sliding,
-    remainder,
-    remainder_of,
-    stress_on_pad,
+    first_order_error,
+    remainder_of_scene,
+    sliding_flux_and_mass,
+    sliding_stress_on_pad,
     wall_speed,
     wall_velocity,
 )
@@ -67,7 +67,7 @@ def fields_of(film: Film, pressure: np.ndarray) -> SimpleNamespace:
 
 def added(film: Film, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Flux and mass that the solver's equations add by sliding, (x, t)."""
-    flux, stored = added_by_sliding(fields_of(film, pressure))
+    flux, stored = sliding_flux_and_mass(fields_of(film, pressure))
     return flux[0][0, :, 0], stored[0, :, 0]
 
 
@@ -122,7 +122,7 @@ def test_stress_on_the_pad_is_that_of_the_resolved_profiles(strip, rel, effect):
     profiles = film.profiles(pressure, *film.profiles(pressure, velocity, cold)[:1], cold)
     if effect == "heating":
         profiles = film.profiles(pressure, *profiles)  # of warm gas
-    stresses = sum(stress_on_pad(fields_of(film, pressure)))[0, 0, :, 0]
+    stresses = sum(sliding_stress_on_pad(fields_of(film, pressure)))[0, 0, :, 0]
     flux = 0.6 * film.gap * pressure * (film.gap**2 / strip.sigma * film.by_x(pressure)) ** 2
     leaving = film.strip.reynolds * strip.sigma / 12 * (flux[-1] - flux[0]).mean()
     own = film.along @ stresses.mean(axis=-1) - leaving
@@ -184,14 +184,14 @@ def test_velocity_carried_by_the_wall_is_that_of_its_cartesian_parts():
     swelling = (0.25 - (x - 0.5) ** 2 - (y - 0.5) ** 2) * (1 + x) * np.sin(grid.t.nodes)
     fields = Fields.of([scene], grid, swelling[None, None, 1:-1])
     v, wall = fields.velocity, wall_velocity(fields)
-    by_wall = fields.along_axes(fields.convected(v + wall) - fields.convected(v))
-    parts = [fields.pad_x_slope(each) for each in fields.along_axes(v)]
+    by_wall = fields.to_pad_axes(fields.convected(v + wall) - fields.convected(v))
+    parts = [fields.pad_x_slope(each) for each in fields.to_pad_axes(v)]
     expected = np.stack(parts) * wall_speed(fields) / fields.area
     size = np.abs(expected).max()
     assert by_wall == pytest.approx(expected, rel=0, abs=1e-6 * size)
-    assert fields.along_axes(wall)[0] == pytest.approx(wall_speed(fields) + 0 * wall[0])
-    several = fields.along_axes(np.stack([v, wall, v - wall], axis=1))
-    assert several[:, 2] == pytest.approx(fields.along_axes(v) - fields.along_axes(wall))
+    assert fields.to_pad_axes(wall)[0] == pytest.approx(wall_speed(fields) + 0 * wall[0])
+    several = fields.to_pad_axes(np.stack([v, wall, v - wall], axis=1))
+    assert several[:, 2] == pytest.approx(fields.to_pad_axes(v) - fields.to_pad_axes(wall))
 
 
 def effects(strip: Strip) -> list[float]:
@@ -214,7 +214,7 @@ def test_what_the_first_order_misses_is_within_what_is_stated(seed):
     changes, still = effects(strip), effects(replace(strip, epsilon=0.0, times=1))
     size, by_vibration = (np.abs(each).sum() for each in (changes, np.subtract(changes, still)))
     widest = (1 + abs(strip.tilt) / 2) ** 2
-    stated = size * remainder(
+    stated = size * first_order_error(
         bearing=abs(strip.bearing),
         shear_reynolds=widest * strip.reynolds * 2 * abs(strip.bearing) / strip.sigma,
         vibrating_reynolds=widest * strip.reynolds * by_vibration / size,
@@ -290,5 +290,5 @@ def test_what_a_fast_pad_does_to_the_gas_is_unknown():
     """Where second orders are larger than in the strips that were solved."""
     scene = film(epsilon=0.3, sigma=100.0, bearing=10.0)
     heavy = scene.with_gas(density_kg_per_m3=3 * scene.gas.density_kg_per_m3 / scene.shear_reynolds)
-    assert np.isnan(remainder_of(heavy, vibrating=0.0))
-    assert remainder_of(film(epsilon=0.3, sigma=100.0), vibrating=1.0) == 0
+    assert np.isnan(remainder_of_scene(heavy, vibrating=0.0))
+    assert remainder_of_scene(film(epsilon=0.3, sigma=100.0), vibrating=1.0) == 0

@@ -11,21 +11,21 @@ from physics_facts import piston_response
 from scipy.special import ive
 
 from squeezefilm.dynamics.averaged_film import AveragedFilm
-from squeezefilm.dynamics.levitation import averaging_error
+from squeezefilm.dynamics.levitation import stiffness_averaging_error
 from squeezefilm.dynamics.pad_grid import disc_grid, outline_grid, rectangle_grid
 from squeezefilm.dynamics.response import (
-    AVERAGING_ERROR,
-    LAYER_LAG_ERROR,
-    NEGLECTED_EFFECTS,
+    GAIN_AVERAGING_FACTOR,
+    GAIN_LAYER_LAG_FACTOR,
+    NEGLECTED_GAS_TERMS,
     SLIP_CHANGE_COLUMNS,
-    gains,
-    neglected,
+    modulation_gains,
+    neglected_percent,
+    quasi_static_gains,
     response,
-    slow_gains,
-    steps_of,
+    start_and_stop_forces,
 )
 from squeezefilm.errors import RunError
-from squeezefilm.film.outline import ellipse
+from squeezefilm.film.outline import ellipse_outline
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 from squeezefilm.reynolds.device import choose_device
@@ -127,7 +127,7 @@ def disc(
 
     grid = disc_grid(amplitude, points)
     if not radial:
-        grid = outline_grid(ellipse(1.0), amplitude, points)
+        grid = outline_grid(ellipse_outline(1.0), amplitude, points)
     return AveragedFilm(grid, epsilon, sigma)
 
 
@@ -176,7 +176,7 @@ def test_a_disc_over_a_vibration_follows_the_full_equation(uneven, epsilon, sigm
     full = PeriodicStrip(epsilon, sigma, across, instants=25, disc=True)
     slow = disc(profile, epsilon=epsilon, sigma=sigma)
     rates = np.array([0.0, 0.005, 0.02, 0.1, 0.2, 0.3])
-    bound = averaging_error(epsilon, rates, slow.layer_thickness)
+    bound = stiffness_averaging_error(epsilon, rates, slow.layer_thickness)
     for damping in (0.0, 0.5):
         rate = rates * (np.sqrt(1 - damping**2) + 1j * damping)
         exact, found = full.stiffness(rate), slow.stiffness(rate)
@@ -188,8 +188,8 @@ def test_a_disc_over_a_vibration_follows_the_full_equation(uneven, epsilon, sigm
     settled = abs(found[0] / exact[0] - 1)
     assert settled < 0.01
     bound = (
-        LAYER_LAG_ERROR * slow.layer_thickness * slow.grid.edge_motion
-        + AVERAGING_ERROR * slow_enough
+        GAIN_LAYER_LAG_FACTOR * slow.layer_thickness * slow.grid.edge_motion_ratio
+        + GAIN_AVERAGING_FACTOR * slow_enough
     )
     assert np.all(np.abs(found / exact - 1) <= 1e-4 + 2 * settled + bound * slow_enough)
 
@@ -211,7 +211,7 @@ def test_a_disc_is_the_same_along_its_radius_and_in_an_outlines_coordinates():
 def test_gain_of_discs_and_ellipses_is_that_of_periodic_forces(pad, x):
     scene = film(epsilon=0.4, sigma=1500.0, x=x)
     scene = replace(scene, pad=replace(scene.pad, **pad))
-    (by_forces,) = slow_gains([scene], tolerance=1e-6, device=DEVICE)
+    (by_forces,) = quasi_static_gains([scene], tolerance=1e-6, device=DEVICE)
     by_slow = response(scene)
     assert abs(by_slow.static_gain / by_forces[0] - 1) <= by_slow.error < 3e-3
     assert 0 < by_slow.corner_hz < 0.1 * scene.actuator.frequency_hz
@@ -222,7 +222,7 @@ def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(s
     film = piston(epsilon=0.4, sigma=2331.0, slip=slip)
     step = 1e-3
     forces = [
-        each.mean(each.density(each.settled(each.epsilon)), each.epsilon)
+        each.mean(each.density(each.steady_w(each.epsilon)), each.epsilon)
         for each in (film.with_thicker_gap(1 + step), film.with_thicker_gap(1 - step))
     ]
     slow, fast = film.stiffness(np.array([0.0, np.inf]))
@@ -232,7 +232,9 @@ def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(s
 
 
 def oscillation(film: AveragedFilm, *, slow: float, scale: float) -> complex:
-    (root,) = [each for each in film.free_motion(slow=slow, scale=scale) if each.imag > 1e-9]
+    (root,) = [
+        each for each in film.free_motion_exponents(slow=slow, scale=scale) if each.imag > 1e-9
+    ]
     return root
 
 
@@ -285,7 +287,7 @@ def test_with_the_layer_the_strip_settles_where_the_full_equation_does():
     for layer in (True, False):
         films = {aspect: strip(aspect, layer=layer) for aspect in (4.0, 8.0)}
         settled[layer] = of_the_middle(
-            {a: np.array(f.mean(f.density(f.settled(0.4)), 0.4)) for a, f in films.items()}
+            {a: np.array(f.mean(f.density(f.steady_w(0.4)), 0.4)) for a, f in films.items()}
         )
     assert settled[True] == pytest.approx(0.107624, abs=1e-5)
     assert abs(settled[False] / 0.107624 - 1) > 5e-3
@@ -296,7 +298,7 @@ def test_gain_and_phase_agree_with_marching_within_the_error():
     marched = np.array([2.134, 1.962, 1.644]) * np.exp(1j * np.radians([-4.092, -9.049, -8.979]))
     scene = film(epsilon=0.44, sigma=2331.15)
     vibration = scene.actuator.frequency_hz / 43_270
-    found = gains(scene, vibration * np.array([100.0, 300.0, 1000.0]))
+    found = modulation_gains(scene, vibration * np.array([100.0, 300.0, 1000.0]))
     slow = found.gain * np.exp(1j * np.radians(found.phase_deg))
     assert np.all(np.abs(slow / marched - 1) <= found.error)
     assert np.all(found.error[:2] < 3e-3)
@@ -305,7 +307,7 @@ def test_gain_and_phase_agree_with_marching_within_the_error():
 def test_after_the_surface_stops_the_slowest_mode_is_left():
     """Without vibration ψ − 1 obeys σ ∂ψ/∂T = ∇²ψ, whose slowest mode falls with 2π²/σ."""
     scene = film(epsilon=0.1, sigma=2331.0)
-    steps = steps_of(scene)
+    steps = start_and_stop_forces(scene)
     late = steps.falling_n < 1e-3 * steps.falling_n[0]
     times, forces = steps.time_s[late][:5], steps.falling_n[late][:5]
     rate = -np.diff(np.log(forces)) / np.diff(times)
@@ -320,7 +322,7 @@ def test_the_change_by_slip_is_that_of_a_film_with_slip():
         response(replace(scene, gas=replace(scene.gas, rarefaction=each)))
         for each in ("none", "slip")
     )
-    (found,) = neglected([scene], tolerance=1e-4, device=DEVICE)
+    (found,) = neglected_percent([scene], tolerance=1e-4, device=DEVICE)
     for what, name in SLIP_CHANGE_COLUMNS.items():
         change = 100 * (getattr(slipping, name) / getattr(without, name) - 1)
         assert found[f"slip_{what}_percent"] == pytest.approx(change, rel=0.02)
@@ -338,10 +340,10 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
     found = {}
     for aspect in (4.0, 8.0):
         film = slow_film(epsilon=0.3, sigma=300.0, amplitude=s, aspect=aspect)
-        mean = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
+        mean = film.mean(film.density(film.steady_w(film.epsilon)), film.epsilon)
         found[aspect] = np.array([film.response(np.array([1 / 24]))[0] * mean, mean])
     change, mean = of_the_middle(found)
-    assert abs(change / mean / marched - 1) < AVERAGING_ERROR / 24**2
+    assert abs(change / mean / marched - 1) < GAIN_AVERAGING_FACTOR / 24**2
 
 
 @pytest.mark.parametrize(
@@ -354,13 +356,17 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
 )
 def test_a_film_whose_response_is_not_known_is_refused(numbers, reason):
     scene = film(epsilon=0.3, **numbers)
-    for found in (response, steps_of, lambda scene: gains(scene, np.array([300.0]))):
+    for found in (
+        response,
+        start_and_stop_forces,
+        lambda scene: modulation_gains(scene, np.array([300.0])),
+    ):
         with pytest.raises(RunError, match=reason):
             found(scene)
 
 
 def test_a_modulation_as_fast_as_the_vibration_is_refused():
-    found = gains(film(epsilon=0.3, sigma=1000.0), np.array([1e4, 1e2]))
+    found = modulation_gains(film(epsilon=0.3, sigma=1000.0), np.array([1e4, 1e2]))
     assert "tenth" in found["status"][0]
     assert found["status"][1] == "ok"
     assert np.isnan(found["gain"]).tolist() == [True, False]
@@ -368,10 +374,10 @@ def test_a_modulation_as_fast_as_the_vibration_is_refused():
 
 def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them():
     scene = film(epsilon=0.22, sigma=583.0, inertia="auto", thermal="auto")
-    (found,) = neglected([scene], tolerance=1e-6, device=DEVICE)
+    (found,) = neglected_percent([scene], tolerance=1e-6, device=DEVICE)
     gain = {}
     for term in ("none", "inertia", "thermal"):
-        choices = {name: "included" if name == term else "none" for name in NEGLECTED_EFFECTS}
+        choices = {name: "included" if name == term else "none" for name in NEGLECTED_GAS_TERMS}
         with_term = replace(scene, gas=replace(scene.gas, **choices))
         low, high = solve(
             [replace(with_term, hv_m=scene.hv_m * (1 + step)) for step in (-0.005, 0.005)],
@@ -379,7 +385,7 @@ def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them
             device=DEVICE,
         )
         gain[term] = np.log(high.force_n / low.force_n) / np.log(1.005 / 0.995)
-    for term in NEGLECTED_EFFECTS:
+    for term in NEGLECTED_GAS_TERMS:
         change, error = found[f"{term}_gain_percent"], found[f"{term}_gain_error_percent"]
         assert change == pytest.approx(100 * (gain[term] / gain["none"] - 1), abs=error)
     assert abs(found["inertia_gain_percent"]) > 5 * found["inertia_gain_error_percent"]
@@ -388,7 +394,7 @@ def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them
 @pytest.mark.parametrize("epsilon", [0.1, 0.44])
 def test_gain_of_slow_modulation_is_that_of_periodic_forces(epsilon):
     scene = film(epsilon=epsilon, sigma=2331.0)
-    (by_forces,) = slow_gains([scene], tolerance=1e-6, device=DEVICE)
+    (by_forces,) = quasi_static_gains([scene], tolerance=1e-6, device=DEVICE)
     by_slow = response(scene)
     assert 0 < by_forces[1] < 3e-4
     assert abs(by_slow.static_gain / by_forces[0] - 1) <= by_slow.error

@@ -13,7 +13,7 @@ from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.packing import numbers_table
+from squeezefilm.reynolds.packing import equation_numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
@@ -99,7 +99,10 @@ def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
     pressure = 1 + states.gauge_pressure_ratio[0]
     nodes, weights = np.polynomial.legendre.leggauss(20)
     path = 1 + (pressure[..., None] - 1) * (nodes + 1) / 2
-    density, numbers = path ** (1 / exponent), numbers_table(Scenes.of([scene]), terms_of(scene))
+    density, numbers = (
+        path ** (1 / exponent),
+        equation_numbers_table(Scenes.of([scene]), terms_of(scene)),
+    )
     (factor,) = flow_over_viscous(numbers, (gap[:, None] * density)[None])
     flow = gap**3 * (factor * density * weights).sum(axis=-1) * (pressure - 1) / 2
     assert np.abs(flow.mean(axis=-1)).max() < 1e-9

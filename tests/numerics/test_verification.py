@@ -16,15 +16,25 @@ from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm_workflow.verification import run_times
-from squeezefilm_workflow.verification.films import PISTON, SAMPLE_SLICE, beyond_reason, cases, film
+from squeezefilm_workflow.verification.films import (
+    PISTON,
+    SAMPLE_OF_CASES,
+    beyond_region_reason,
+    cases,
+    film,
+)
 from squeezefilm_workflow.verification.reference import reference_force
-from squeezefilm_workflow.verification.stability import check_state, stability, summary
+from squeezefilm_workflow.verification.stability import (
+    deviations_of_state,
+    stability,
+    verdict_summary,
+)
 from squeezefilm_workflow.verification.work_precision import (
-    BATCH,
+    BATCH_SOLVER_NAME,
     FILMS,
-    METHODS,
-    METHODS_WITH_EFFECTS,
-    SOLVER,
+    OTHER_METHODS,
+    OTHER_METHODS_WITH_EFFECTS,
+    SOLVER_NAME,
     with_speedup,
     work_precision,
 )
@@ -59,9 +69,9 @@ def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not():
     scene = film("", 0.4, 20.0, profile=PISTON)
     (found,) = solve([scene], tolerance=1e-6, method="periodic", keep_states=True)
     state = found.states[-1]
-    good = check_state(scene, state)
+    good = deviations_of_state(scene, state)
     assert good["residual"] < 1e-6
-    spoilt = check_state(scene, replace(state, unknowns=state.unknowns * 1.01))
+    spoilt = deviations_of_state(scene, replace(state, unknowns=state.unknowns * 1.01))
     assert min(spoilt.values()) > 2e-3
 
 
@@ -136,9 +146,9 @@ def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, mo
 
 
 def test_what_is_refused_must_be_documented():
-    assert beyond_reason(film("", 0.4, 583.0)) == ""
-    assert "contact" in beyond_reason(film("", 1.0, 583.0))
-    assert "bearing" in beyond_reason(film("", 0.4, 583.0, bearing=1e4))
+    assert beyond_region_reason(film("", 0.4, 583.0)) == ""
+    assert "contact" in beyond_region_reason(film("", 1.0, 583.0))
+    assert "bearing" in beyond_region_reason(film("", 0.4, 583.0, bearing=1e4))
     touching = ("contact", "tilted until it touches")
     chosen = [case for case in cases() if case[1].point_id in touching]
     table = stability(chosen, device=choose_device())
@@ -147,21 +157,21 @@ def test_what_is_refused_must_be_documented():
 
 
 def test_a_sample_of_the_cases_has_some_of_every_group():
-    assert {group for group, _ in cases()} == {group for group, _ in cases()[SAMPLE_SLICE]}
+    assert {group for group, _ in cases()} == {group for group, _ in cases()[SAMPLE_OF_CASES]}
 
 
 @pytest.mark.parametrize(
-    ("scene", "others"), [(FILMS[1], METHODS), (FILMS[4], METHODS_WITH_EFFECTS)]
+    ("scene", "others"), [(FILMS[1], OTHER_METHODS), (FILMS[4], OTHER_METHODS_WITH_EFFECTS)]
 )
 def test_every_method_comes_near_the_reference(scene, others):
     table = work_precision(
         (scene,), repeats=1, batch=2, longest_seconds=0.1, rungs=2, device=choose_device()
     )
-    assert set(table["method"]) == {SOLVER, BATCH, *others}
+    assert set(table["method"]) == {SOLVER_NAME, BATCH_SOLVER_NAME, *others}
     assert set(table["status"]) == {"ok"}
     assert table.groupby("method")["relative_error"].min().max() < 0.05
     claimed = table[np.isfinite(table["estimated_error"])]
-    assert set(claimed["method"]) == {SOLVER, BATCH}
+    assert set(claimed["method"]) == {SOLVER_NAME, BATCH_SOLVER_NAME}
     assert (claimed["relative_error"] <= claimed["estimated_error"]).all()
     assert (table["reference_uncertainty"] < 1e-9).all()
     assert (table["cpu_s"] > 0).all()
@@ -174,10 +184,10 @@ def test_at_equal_error_the_cheapest_run_that_is_no_worse_counts():
 
     table = pd.DataFrame(
         [
-            row(SOLVER, 1e-3, 0.001),
-            row(SOLVER, 1e-5, 0.004),
-            row(SOLVER, 1e-7, 0.002),
-            row(SOLVER, 1e-8, 0.001, status="refused"),  # does not count
+            row(SOLVER_NAME, 1e-3, 0.001),
+            row(SOLVER_NAME, 1e-5, 0.004),
+            row(SOLVER_NAME, 1e-7, 0.002),
+            row(SOLVER_NAME, 1e-8, 0.001, status="refused"),  # does not count
             row("other", 2e-5, 1.0),
             row("other", 1e-9, 9.0),  # nothing of ours is as good
         ]
@@ -212,9 +222,9 @@ def test_a_film_that_steepens_keeps_its_row_and_its_reason():
 
 
 def test_run_times_of_terms_have_every_scene_solved(monkeypatch):
-    monkeypatch.setattr(run_times, "TERM_SCENES", 2)
+    monkeypatch.setattr(run_times, "TERM_SCENE_COUNT", 2)
     monkeypatch.setattr(run_times, "TERM_SIDES_M", {"disc": 0.04})
-    table = run_times.term_times()
+    table = run_times.times_by_term()
     assert len(table) == 3
     assert set(table["solved"]) == {2}
 
@@ -229,7 +239,7 @@ def test_a_campaign_s_summary_counts_every_film_once():
             "independent_difference": [2e-6, np.nan, np.nan],
         }
     )
-    table = summary(films).set_index("pad")
+    table = verdict_summary(films).set_index("pad")
     assert table[["failed", "not supported", "solved"]].sum(axis=1).to_dict() == {
         "disc": 2,
         "square": 1,

@@ -3,7 +3,7 @@
 from typing import Any, TypeVar, get_args
 
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.loading import with_changes
+from squeezefilm.config.loading import with_changed_keys
 from squeezefilm.film.profiles import PROFILE_KINDS, Profile
 from squeezefilm.film.surfaces import Surface
 from squeezefilm.sections import key_of
@@ -13,7 +13,7 @@ Sections = TypeVar("Sections", bound=FilmSections)
 
 def changed(config: Sections, **sections: dict[str, Any]) -> Sections:
     """A study with other keys in sections, which may be named as Python does."""
-    return with_changes(
+    return with_changed_keys(
         config,
         {
             f"{section}.{key_of(name)}": in_file(value)

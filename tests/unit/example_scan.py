@@ -28,7 +28,7 @@ def scan_text(*, noise: float, missing: float, seed: int, surface: str = "disc")
     where, profile, step_mm = EXAMPLES[surface]
     lines = (
         step_mm * np.arange(-steps, steps + 1)
-        for steps in (int(1e3 * half_m / step_mm) for half_m in where.half_m)
+        for steps in (int(1e3 * half_m / step_mm) for half_m in where.half_extents_m)
     )
     x, y = (values.ravel() for values in np.meshgrid(*lines))
     on_it = where.reach(x / 1e3, y / 1e3) <= 1

@@ -64,8 +64,8 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repositor
     path = tmp_path / "plan" / "forces.csv"
     write_text("before", path)
     code = (
-        "import os, signal; from squeezefilm.files import whole_file\n"
-        f"with whole_file({str(path)!r}) as part:\n"
+        "import os, signal; from squeezefilm.files import atomic_file\n"
+        f"with atomic_file({str(path)!r}) as part:\n"
         "    part.write_text('half')\n"
         "    os.kill(os.getpid(), signal.SIGKILL)"
     )
@@ -73,5 +73,5 @@ def test_a_killed_writer_leaves_the_file_and_a_part_that_is_cleaned_up(repositor
     assert killed.returncode == -9
     assert path.read_text() == "before"
     assert len(list(path.parent.iterdir())) == 2
-    files.remove_parts(tmp_path)
+    files.remove_partial_files(tmp_path)
     assert list(path.parent.iterdir()) == [path]

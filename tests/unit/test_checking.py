@@ -11,9 +11,9 @@ from squeezefilm.cli import main as cli
 from squeezefilm_workflow.reporting import check
 from squeezefilm_workflow.reporting.check import (
     EQUAL_TEXT,
+    MAX_SAMPLED_ROWS,
     PASSED,
     PICTURES_FOLDER,
-    SAMPLED_ROWS,
     Closeness,
     Quantity,
     column_quantities,
@@ -80,7 +80,7 @@ def with_cell(row: int) -> pd.Series:
 def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
     """Any cell, though few rows are kept."""
     assert failed(FORCES.assign(force_n=force_n)) == seen
-    assert len(quantities(FORCES)[1].cells) == SAMPLED_ROWS
+    assert len(quantities(FORCES)[1].cells) == MAX_SAMPLED_ROWS
 
 
 @pytest.mark.parametrize(

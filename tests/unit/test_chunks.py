@@ -6,7 +6,7 @@ from changed_sections import changed
 
 from squeezefilm.api import forces as simulation
 from squeezefilm.config.study import Study
-from squeezefilm.studies.plans import chunk_counts, expected_seconds
+from squeezefilm.studies.plans import chunk_counts, expected_seconds_per_scene
 
 
 def with_jobs_of(config: Study, seconds: float) -> Study:
@@ -14,7 +14,7 @@ def with_jobs_of(config: Study, seconds: float) -> Study:
 
 
 def test_a_plan_has_as_many_jobs_as_its_cost_asks_for(quick):
-    scene = expected_seconds(quick, centred=True)
+    scene = expected_seconds_per_scene(quick, centred=True)
     counts = chunk_counts(with_jobs_of(quick, 5.5 * scene))
     assert counts["screen"] == 3  # 12 scenes
     assert counts["error_map"] == 7  # 36 scenes
@@ -31,9 +31,9 @@ def test_neither_chunks_nor_pieces_change_a_row(repository, tmp_path, monkeypatc
     names = ("scenes", "forces", "timings")
     whole = {name: str(tmp_path / f"{name}.{suffix}") for name in names}
     settings = {"params": {"keep_failed": False}, "plan": "sweep"}
-    monkeypatch.setattr("squeezefilm.studies.plans.POINTS_PER_PIECE", 8)
+    monkeypatch.setattr("squeezefilm.studies.plans.SWEEP_POINTS_PER_PIECE", 8)
     script("simulate", config, input={"sources": []}, output=whole, **settings)
-    monkeypatch.setattr(simulation, "WRITTEN_ROWS", 4)
+    monkeypatch.setattr(simulation, "ROWS_PER_WRITE", 4)
     parts = [
         {name: str(tmp_path / f"{name}-{part}.{suffix}") for name in names[1:]} for part in (1, 2)
     ]

@@ -8,11 +8,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm.cli.main import commands_of, main
+from squeezefilm.cli.main import main, modules_of_commands
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.tables import FORCE_COLUMNS, merge_forces, read_forces, write_table
 
-COMMANDS = commands_of()
+COMMANDS = modules_of_commands()
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.config.loading import load_config, notes_on
+from squeezefilm.config.loading import load_config, study_notes
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.studies.plans import scenes_of
@@ -166,5 +166,5 @@ def test_a_standing_wave_without_a_model_that_repeats_is_noted(profile, models, 
         f"extrapolation: {{force: 0.1 N}}\nmodels: {models}\n",
         encoding="utf-8",
     )
-    notes = [note for note in notes_on(load_config(path)) if "standing wave" in note]
+    notes = [note for note in study_notes(load_config(path)) if "standing wave" in note]
     assert len(notes) == count

@@ -4,9 +4,9 @@ import ast
 import csv
 from pathlib import Path
 
-from squeezefilm.provenance import WORKFLOW
+from squeezefilm.provenance import WORKFLOW_DIR
 
-LIBRARY = WORKFLOW / "squeezefilm"
+LIBRARY = WORKFLOW_DIR / "squeezefilm"
 
 
 def is_number(value: ast.expr) -> bool:

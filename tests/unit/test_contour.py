@@ -5,7 +5,7 @@ import pytest
 from example_outline import OVAL, STUDY, TURN, write_outline
 
 import squeezefilm as sf
-from squeezefilm.config.loading import effective_text, parse_config
+from squeezefilm.config.loading import effective_yaml, parse_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.outline import read_contour
 from squeezefilm.studies.study import check_study
@@ -57,7 +57,7 @@ def test_a_study_s_outline_counts_from_its_own_folder(tmp_path):
     config = check_study(parse_config(STUDY, path=tmp_path / "study.yaml"))
     assert config.read_pad().area_m2 == pytest.approx(np.pi * 20e-6, rel=2e-5)
     elsewhere = tmp_path / "results" / "mine"
-    again = parse_config(effective_text(config, folder=elsewhere), path=elsewhere / "study.yaml")
+    again = parse_config(effective_yaml(config, folder=elsewhere), path=elsewhere / "study.yaml")
     assert again.pad.outline.file == "../../patch.csv"
 
 

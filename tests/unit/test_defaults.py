@@ -12,12 +12,12 @@ import yaml
 import squeezefilm as sf
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import (
-    effective_text,
+    effective_yaml,
     load_config,
-    origin,
     parse_config,
-    with_changes,
-    write_effective,
+    value_origin,
+    with_changed_keys,
+    write_effective_study,
 )
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
@@ -94,10 +94,10 @@ def test_what_is_written_goes_before_what_follows():
     config = study(error_map={"h0": {"levels": 3, "stop": 30e-6}}, extrapolation={"hv": 3e-6})
     assert config.error_map.h0_m.model_dump() == {"start": 20e-6, "stop": 30e-6, "levels": 3}
     assert config.extrapolation.hv_m == 3e-6
-    assert origin(config, ("extrapolation", "hv")) == ""
-    assert origin(config, ("extrapolation", "h0")) == "derived: the screen's smallest gap"
-    assert origin(config, ("error_map", "h0", "start")) == "derived: the screen's"
-    assert origin(config, ("gas", "inertia")) == "default"
+    assert value_origin(config, ("extrapolation", "hv")) == ""
+    assert value_origin(config, ("extrapolation", "h0")) == "derived: the screen's smallest gap"
+    assert value_origin(config, ("error_map", "h0", "start")) == "derived: the screen's"
+    assert value_origin(config, ("gas", "inertia")) == "default"
 
 
 @pytest.mark.parametrize(
@@ -125,8 +125,8 @@ def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
         config = load_config(path)
         assert main(["config", str(path)]) == 0
         shown = capsys.readouterr().out
-        assert shown == effective_text(config)
-        written = load_config(write_effective(config, tmp_path / "results" / name))
+        assert shown == effective_yaml(config)
+        written = load_config(write_effective_study(config, tmp_path / "results" / name))
         check_study(written)
         if name == "vibrometer":
             assert written.scan_path.samefile(path.with_suffix(".csv"))
@@ -136,8 +136,8 @@ def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
         moved = {}
         if name == "vibrometer":
             moved = {"actuator.profile.file": config.actuator.profile.file}
-        assert with_changes(written, moved).sections() == config.sections()
-        assert "default" not in effective_text(written)
+        assert with_changed_keys(written, moved).sections() == config.sections()
+        assert "default" not in effective_yaml(written)
 
 
 def test_numbers_that_may_lack_their_unit_are_noted(tmp_path, capsys):
@@ -190,7 +190,7 @@ def test_constants_of_a_formula_have_units_and_stay_in_the_whole_study(tmp_path)
     )
     text = SHORT.replace("{kind: piston}", formula)
     written = parse_config(text, path=tmp_path / "mine.yaml")
-    again = parse_config(effective_text(written), path=tmp_path / "mine.yaml")
+    again = parse_config(effective_yaml(written), path=tmp_path / "mine.yaml")
     assert again.actuator == written.actuator
     x_m = np.linspace(-0.02, 0.02, 9)
     exact = np.cos(4 * pi * x_m / 0.012 + pi / 6)

@@ -42,7 +42,7 @@ def test_an_option_goes_before_the_environment_and_that_before_the_configuration
 
 
 def test_pocl_is_not_asked_for_a_kernel_that_it_compiles_for_minutes():
-    scene, _ = self_test.films()["inertia"]
+    scene, _ = self_test.test_films()["inertia"]
     with pytest.raises(InputError, match="inertia for work-groups of 4 items for many"):
         solve([scene], tolerance=1e-2, method="periodic", device=choose_device(work_items=4))
 
@@ -68,12 +68,14 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
             return wrong
         return text
 
-    films = {name: film for name, film in self_test.films().items() if name in ("inertia", "slip")}
+    films = {
+        name: film for name, film in self_test.test_films().items() if name in ("inertia", "slip")
+    }
     stored = pd.read_csv(self_test.STORED_FORCES, index_col="film").loc[[*films]].to_csv()
-    monkeypatch.setattr(self_test, "films", lambda: films)
+    monkeypatch.setattr(self_test, "test_films", lambda: films)
     monkeypatch.setattr(self_test, "STORED_FORCES", io.StringIO(stored))
     monkeypatch.setattr(Path, "read_text", compiled_wrongly)
-    caches = (device.kernel, device._program, self_test._failed_films)
+    caches = (device.kernel, device._built_program, self_test._failed_films)
     try:
         [each.cache_clear() for each in caches]
         message = refused("doctor")
@@ -86,7 +88,7 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
 
 def test_pocl_goes_before_another_driver_of_the_processor(monkeypatch, capsys):
     """Intel's OpenCL may be listed first; kernels are tuned for PoCL."""
-    (pocl, *_) = [each for each in device.list_devices() if device._of_pocl(each)]
+    (pocl, *_) = [each for each in device.list_devices() if device._is_pocl_device(each)]
     platform = SimpleNamespace(name="Intel(R) OpenCL")
     other = SimpleNamespace(
         platform=platform, name="cpu", version="3", type=pocl.type, double_fp_config=1
@@ -110,7 +112,7 @@ def test_vectors_are_those_of_the_processor_and_no_warning_is_printed(
         pytest.skip("of PoCL alone")
     told = tmp_path / "cpuinfo"
     told.write_text(f"processor : 0\n{flags}\n")
-    monkeypatch.setattr(device, "CPU_INFO", told)
+    monkeypatch.setattr(device, "CPU_INFO_FILE", told)
     chosen = device._choose_device.__wrapped__("auto", None)
     square = tmp_path / "square.cl"
     square.write_text("kernel void square(vector a) { multiply(a, 4, 4, a, a, 4, 1, 0); }\n")
@@ -129,7 +131,7 @@ def test_a_driver_that_keeps_no_types_of_arguments_solves(monkeypatch):
 
     monkeypatch.setattr("pyopencl.Kernel.get_arg_info", get_arg_info)
     device.kernel.cache_clear()
-    scene, _ = self_test.films()["squeeze"]
+    scene, _ = self_test.test_films()["squeeze"]
     assert solve([scene], tolerance=1e-3, method="periodic")[0].status == "ok"
 
 
@@ -178,7 +180,7 @@ FORKED = """
 import os
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds import self_test, solve
-scene, _ = self_test.films()["squeeze"]
+scene, _ = self_test.test_films()["squeeze"]
 solve([scene], tolerance=1e-3, method="periodic")
 child = os.fork()
 try:

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.formulas import FUNCTIONS, Expression, parse
+from squeezefilm.formulas import FUNCTIONS, Expression, parse_formula
 
 NAMES = ("a", "b", "x", "h0")
 
 
 def read(text: str):
-    return parse(text, names=NAMES, source="model")
+    return parse_formula(text, names=NAMES, source="model")
 
 
 @pytest.mark.parametrize(

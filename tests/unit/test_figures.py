@@ -20,7 +20,7 @@ SCREEN = SCREEN.set_axis(["h0_m", "hv_m"], axis="columns")
 def results(**tables):
     """The results of a study that has these tables alone."""
     return SimpleNamespace(
-        beyond="",
+        validity_note="",
         budget=lambda plan: tables[plan],
         scenes=lambda plan: SCREEN,
         table=lambda file, *columns: tables[file.rpartition("/")[2]],
@@ -46,7 +46,7 @@ def budget(included):
 def test_a_panel_of_the_budget_says_whether_its_effect_is_in_the_forces(included, shown):
     table = budget(["; ".join(names) for names in included])
     positions = pd.concat([table, table.assign(phi_r_m=1e-3), table.assign(phi_deg=45.0)])
-    with style.settings():
+    with style.figure_style():
         figure = film.error_budget(results(screen=table, four_factor=positions))
     titles = [axes.get_title() for axes in figure.axes]
     assert titles[0] == f"(a) {shown}"
@@ -57,7 +57,7 @@ def test_levitation_shows_every_amplitude_and_no_line_of_contact_crosses_another
     table = SCREEN.assign(load_n=1e-6 / SCREEN["h0_m"] * SCREEN["hv_m"] / 1e-6, status="ok")
     table = table.assign(stiffness_n_per_m=1e5, modified_reynolds=1.0)
     ends = dict.fromkeys(("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"), 1e-8)
-    with style.settings():
+    with style.figure_style():
         figure = film.levitation(results(**{"levitation.csv": table.assign(**ends)}))
     gap, stiffness = figure.axes
     assert len(stiffness.get_legend().get_texts()) == 4
@@ -82,8 +82,8 @@ def test_the_picture_of_a_vibration_has_its_sign(profile, lowest, tmp_path):
         "  hv: {start: 1 µm, stop: 2 µm, levels: 3}\nextrapolation: {force: 0.1 N}\n",
         encoding="utf-8",
     )
-    with style.settings():
-        figure = maps.vibration(SimpleNamespace(config=load_config(study), beyond=""))
+    with style.figure_style():
+        figure = maps.vibration(SimpleNamespace(config=load_config(study), validity_note=""))
     bar = figure.axes[-1]
     assert bar.get_ylim() == pytest.approx((lowest, 1.0))
     note = " ".join(text.get_text() for text in figure.texts)
@@ -93,8 +93,10 @@ def test_the_picture_of_a_vibration_has_its_sign(profile, lowest, tmp_path):
 def test_the_colours_of_the_forces_reach_over_all_of_them():
     forces = SCREEN.assign(force_n=np.geomspace(0.0012, 0.78, len(SCREEN)), force_error_n=1e-6)
     target = SimpleNamespace(extrapolation=SimpleNamespace(force_n=0.1))
-    with style.settings():
-        figure = maps.forces(SimpleNamespace(config=target, beyond="", forces=lambda plan: forces))
+    with style.figure_style():
+        figure = maps.forces(
+            SimpleNamespace(config=target, validity_note="", forces=lambda plan: forces)
+        )
     low, high = figure.axes[-1].get_ylim()
     assert low <= 0.0012
     assert high >= 0.78
@@ -104,7 +106,7 @@ def test_a_note_is_as_wide_as_its_figure():
     line = (
         "Beyond Re 10 from h0 = 34.6 µm: Re = ρωh0²/μ is 10.2 at 35 µm (thermal effects included)."
     )
-    with style.settings():
+    with style.figure_style():
         figure = style.new_figure()
         style.add_note(figure, line)
         (note,) = figure.texts
@@ -116,7 +118,7 @@ def test_a_note_is_as_wide_as_its_figure():
 def test_positions_that_share_no_coordinate_are_not_joined():
     table = budget([""] * 12).drop(columns=["phi_r_m", "phi_deg"]).assign(x_m=0.0, y_m=0.0)
     positions = pd.concat(table.assign(x_m=1e-3 * k, y_m=2e-3 + 1e-3 * k**2) for k in range(5))
-    with style.settings():
+    with style.figure_style():
         figure = film.error_budget(results(screen=table, four_factor=positions))
     lines = [line for line in figure.axes[5].lines if len(line.get_xdata()) == 5]
     assert len(lines) == 5
@@ -130,7 +132,9 @@ def test_the_criterion_of_a_pattern_is_told_in_the_measure_that_it_has(scaling, 
     points = [{"h0_m": 5e-6, "hv_m": 2e-6}, {"h0_m": 5e-6, "hv_m": 1e-6}]
     pattern = {"pattern": "A", "count": 3, "objective": 4.0, "points": points}
     summary = {"searches": 3, "scaling": scaling, "scalings": {scaling: [pattern]}}
-    study = SimpleNamespace(beyond="", scenes=lambda plan: SCREEN, summary=lambda file: summary)
+    study = SimpleNamespace(
+        validity_note="", scenes=lambda plan: SCREEN, read_json_file=lambda file: summary
+    )
     figure, _ = patterns.fig10(study)
     notes = " ".join(text.get_text() for text in [*figure.texts, *figure.axes[0].texts])
     assert f"Criterion (12), force in N, {measure}: 4." in " ".join(notes.split())
@@ -138,7 +142,7 @@ def test_the_criterion_of_a_pattern_is_told_in_the_measure_that_it_has(scaling, 
 
 def test_levels_of_contours_stand_upright_and_none_is_cut_by_the_rim():
     """A minus sign lay on its line, as one more dash."""
-    with style.settings():
+    with style.figure_style():
         _, axes = style.subplots()
         x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21))
         lines = axes.contour(x, y, x + y - 1, levels=[-0.99, -0.5, 0.5])
@@ -151,8 +155,8 @@ def test_levels_of_contours_stand_upright_and_none_is_cut_by_the_rim():
 def test_the_optimal_points_are_drawn_over_axes_from_zero():
     """Below radius 0 there was room for numbers that no pad can have."""
     design = SCREEN.iloc[[0, 3, 11]].assign(phi_r_m=[0, 2e-3, 3e-3], phi_deg=[0, 0, 45.0])
-    own = SimpleNamespace(design=lambda name: design, scenes=lambda plan: design, beyond="")
-    with style.settings():
+    own = SimpleNamespace(design=lambda name: design, scenes=lambda plan: design, validity_note="")
+    with style.figure_style():
         figure, _ = four_factor.fig16(own)
     assert [axes.get_ylim()[0] for axes in figure.axes] == [0, 0]
 
@@ -162,7 +166,7 @@ def test_the_star_of_a_refinement_has_its_meaning_in_the_legend():
     rounds |= {"global_upper": 0.02, "worst_error": [0.05, 0.03]}
     truth = {"simulations": 10, "held_out_worst_error": 0.02, "held_out_global_error": 0.01}
     required = {"worst_error": 0.05, "global_error": 0.02}
-    with style.settings():
+    with style.figure_style():
         _, axes = style.subplots()
         models._draw_rounds(axes, pd.DataFrame(rounds), required=required, truth=pd.Series(truth))
     handles, names = axes.get_legend_handles_labels()

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from squeezefilm import Film
-from squeezefilm.config.loading import config_of, parse_config
+from squeezefilm.config.loading import parse_config, validated_sections
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 
@@ -67,7 +67,7 @@ def test_a_study_is_read_or_refused(source, repository):
             if source == "file":
                 parse_config(yaml.safe_dump(values, allow_unicode=True), path=Path("study.yaml"))
             elif source == "sections":
-                config_of(values, path=Path("study"), model=Study)
+                validated_sections(values, path=Path("study"), model=Study)
             else:
                 named = ("gas", "actuator", "pad", "solver")
                 Film.of(**{name: values.get(name) for name in named})

@@ -22,7 +22,7 @@ device = choose_device()
 source = "kernel void square(global double *a) { a[0] *= a[0]; }"
 square = kernel(device, "square", sources=(), header=source)
 values = np.array([3.0])
-buffer = device.sent(values)
+buffer = device.copied_to_buffer(values)
 run_kernel(device, square, buffer, groups=1)
 cl.enqueue_copy(device.queue, values, buffer)
 print(values[0])
@@ -93,13 +93,13 @@ def test_a_program_that_is_known_is_not_looked_for_among_all_others(filled, tmp_
 
 
 def test_doctor_outlives_a_kernel_that_ends_its_process(monkeypatch, refused):
-    monkeypatch.setattr(self_test, "FORCE_IN_A_PROCESS", "import os; os.abort()")
+    monkeypatch.setattr(self_test, "FORCE_SCRIPT", "import os; os.abort()")
     told = refused("doctor", status=1)
     assert f"ended by SIGABRT. A compiled kernel may be damaged: remove {kernel_cache()}" in told
 
 
 def test_doctor_asks_for_a_force_as_a_user_does(monkeypatch, refused):
     """Stored films alone passed on a driver on which no second process had a force."""
-    one = self_test.FORCE_IN_A_PROCESS.replace('solution.status == "ok"', "False")
-    monkeypatch.setattr(self_test, "FORCE_IN_A_PROCESS", one)
+    one = self_test.FORCE_SCRIPT.replace('solution.status == "ok"', "False")
+    monkeypatch.setattr(self_test, "FORCE_SCRIPT", one)
     assert "the self-test gives no force: ok" in refused("doctor", status=1)

@@ -5,9 +5,9 @@ import pytest
 from example_measurements import synthetic_forces
 
 from squeezefilm.api.measurements import (
-    UNCERTAINTY_COLUMNS,
+    FORCE_UNCERTAINTY_COLUMNS,
+    chi_square_summary,
     compare_measurements,
-    summary_of,
     with_residuals,
 )
 from squeezefilm.config.loading import load_config
@@ -42,9 +42,9 @@ def test_chi_square_is_that_found_by_hand(measured, upper, squares, beyond, wort
     """Three points of 10 N, each with an uncertainty of √(0.6² + 0.8²), and one without a force."""
     table = pd.DataFrame({"measured_force_n": measured, "modelling_error_upper_n": upper})
     table = table.assign(point_id=[*"abcd"], status=[*3 * ["ok"], "not converged"], force_n=10.0)
-    table[UNCERTAINTY_COLUMNS] = [0.6, 0.8, 0.0]
+    table[FORCE_UNCERTAINTY_COLUMNS] = [0.6, 0.8, 0.0]
     table[["force_error_n", "profile_uncertainty_n", "modelling_error_lower_n"]] = 0.0
-    got = summary_of(with_residuals(table))
+    got = chi_square_summary(with_residuals(table))
     assert [got["chi_square"], got["chi_square_unexplained"]] == pytest.approx([squares, beyond])
     assert worth in got["verdict"]
 
@@ -61,6 +61,6 @@ def test_the_synthetic_forces_are_explained_by_inertia(repository):
     made = synthetic_forces(path.read_text(encoding="utf-8"), path)
     assert made.to_numpy() == pytest.approx(pd.read_csv(path.with_suffix(".csv")), abs=0.011)
     table = compare_measurements(load_config(path))
-    assert "the modelling error can explain them" in summary_of(table)["verdict"]
+    assert "the modelling error can explain them" in chi_square_summary(table)["verdict"]
     # The force goes as hv² at small amplitudes.
     assert table["force_uncertainty_hv_n"][9] == pytest.approx(0.02 * table["force_n"][9], rel=0.02)

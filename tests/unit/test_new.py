@@ -12,7 +12,7 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main as cli
-from squeezefilm.config.loading import load_config, notes_on
+from squeezefilm.config.loading import load_config, study_notes
 from squeezefilm.studies.study import check_study
 
 
@@ -35,10 +35,10 @@ def test_a_new_study_may_be_of_a_plate_with_a_standing_wave(tmp_path):
     assert "vibrometer.csv" not in (text := path.read_text(encoding="utf-8"))
     assert "disc" not in text
     config = check_study(load_config(path))
-    assert config.actuator.surface.half_m == (0.03, 0.02)
+    assert config.actuator.surface.half_extents_m == (0.03, 0.02)
     assert config.actuator.profile.wavelength_m == 0.012
     assert config.symmetry().position == ("x_m", "y_m")
-    assert [*notes_on(config)] == []
+    assert [*study_notes(config)] == []
     assert "wave" in config.comparison.four_factor
 
 

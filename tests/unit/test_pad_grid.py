@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.dynamics.pad_grid import disc_grid, outline_grid, rectangle_grid
-from squeezefilm.film.outline import Outline, ellipse
+from squeezefilm.film.outline import Outline, ellipse_outline
 from squeezefilm.reynolds.asymptotics.films import expansion_axis, films_of
 
 # An oval with a bulge to one side; its own middle is not where x and y begin.
@@ -33,8 +33,8 @@ def rectangle(aspect):
 GRIDS = {
     "rectangle": partial(rectangle, 0.6),
     "disc": partial(disc_grid, bowl, 11),
-    "disc off centre": partial(outline_grid, ellipse(1.0), profile, 21),
-    "ellipse": partial(outline_grid, ellipse(0.5), partial(profile, aspect=0.5), 21),
+    "disc off centre": partial(outline_grid, ellipse_outline(1.0), profile, 21),
+    "ellipse": partial(outline_grid, ellipse_outline(0.5), partial(profile, aspect=0.5), 21),
     "oval": partial(outline_grid, OVAL, profile, 21),
 }
 

@@ -9,8 +9,8 @@ import pytest
 from squeezefilm.cli import main as cli
 from squeezefilm_workflow.paper import uncertainty
 from squeezefilm_workflow.reporting import models
-from squeezefilm_workflow.reporting.notes import verdicts
-from squeezefilm_workflow.reporting.pages import body_of, render
+from squeezefilm_workflow.reporting.notes import claims_verdict_note
+from squeezefilm_workflow.reporting.pages import html_of_markdown, render
 
 
 def heads(markdown):
@@ -27,9 +27,9 @@ def test_the_claims_have_their_verdict_beside_them():
     claim = {"claim_id": "a", "claim": "force", "paper": "1", "ours": "2", "unit": "N"}
     claim |= {"kind": "result", "verdict": "differs because", "explanation": "long"}
     claims = pd.DataFrame([claim, claim | {"kind": "setting", "verdict": "agrees exactly"}])
-    page = render("claims.md", claims=claims, **verdicts(claims))
+    page = render("claims.md", claims=claims, **claims_verdict_note(claims))
     assert [head[:2] for head in heads(page)] == 2 * [["claim", "verdict"]]
-    assert '<td class="bad">differs' in body_of(page)
+    assert '<td class="bad">differs' in html_of_markdown(page)
     count = "0 of the 1 results of the paper that this study decides agree; 1 of 1 settings"
     assert count in page
     assert page.index("differs because") < page.index("## Settings") < page.index("agrees exactly")
@@ -41,7 +41,7 @@ def test_assumptions_are_told_by_difference_with_their_verdict_first(monkeypatch
     row |= {"plausible_upper": 2.25, "force_lower_n": 0.9, "force_upper_n": 1.0}
     row |= {"needed": float("nan"), "reached_lower_n": 0.1, "reached_upper_n": 5.0}
     rows = [row | {"verdict": verdict, "because": "digits"} for verdict in ("explains", "cannot")]
-    monkeypatch.setattr(uncertainty, "compare", lambda config, forces: pd.DataFrame(rows))
+    monkeypatch.setattr(uncertainty, "assumptions_table", lambda config, forces: pd.DataFrame(rows))
     monkeypatch.setattr(uncertainty, "solver_settings", lambda config, outputs: None)
     page = render(
         "uncertainty.md", **uncertainty.uncertainty_page(SimpleNamespace(config=None)).values
@@ -77,7 +77,7 @@ def test_models_have_their_verdict_first_and_columns_in_words():
 
 @pytest.mark.parametrize("word", ["recommended", "explains"])
 def test_a_verdict_that_is_good_is_coloured(word):
-    assert f'<td class="good">{word}' in body_of(f"| a |\n| --- |\n| {word} |\n")
+    assert f'<td class="good">{word}' in html_of_markdown(f"| a |\n| --- |\n| {word} |\n")
 
 
 def test_recommended_errors_are_shown_in_percent_as_on_the_pages(monkeypatch, tmp_path, capsys):

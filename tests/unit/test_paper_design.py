@@ -7,11 +7,11 @@ from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_F
 from squeezefilm.designs.optimal import exchange, optimal_in_box
 from squeezefilm.designs.paper_design import (
     Criterion,
-    augment,
+    add_corner_points,
     d_efficiency,
-    descend,
+    distinct_support_points,
     find_patterns,
-    find_regions,
+    local_descent,
     search_design,
 )
 from squeezefilm.designs.space import Space, coordinates, pair_distances
@@ -67,16 +67,16 @@ def test_both_patterns_are_d_optimal(patterns):
 
 def test_regions_and_the_fifth_point(patterns):
     criterion = Criterion(film_gradient, FILM, coordinates("unit", FILM))
-    regions = find_regions(patterns, FILM)
-    origins = {tuple(np.round(region.point * 1e6, 2)): region.origins for region in regions}
+    regions = distinct_support_points(patterns, FILM)
+    origins = {tuple(np.round(region.point * 1e6, 2)): region.pattern_names for region in regions}
     assert origins == {
         (5.0, 2.0): ["A", "B"],
         (6.91, 2.0): ["A"],
         (10.0, 0.2): ["A", "B"],
         (5.0, 1.45): ["B"],
     }
-    extended = augment(criterion, regions, 5)
-    assert extended[-1].origins == ["augmentation"]
+    extended = add_corner_points(criterion, regions, 5)
+    assert extended[-1].pattern_names == ["augmentation"]
     np.testing.assert_allclose(extended[-1].point, [5e-6, 0.2e-6])
 
 
@@ -96,6 +96,6 @@ def test_distinct_scenes_cost_little_information():
     assert pair_distances(scenes(found.points)).min() > 0.25 - 1e-8
     places = PLACED.levels(7)
     apart = {"coordinates": scenes(places), "separation": 0.25}
-    best = descend(criterion, places[exchange(placed_gradient(places), 5, **apart)])
+    best = local_descent(criterion, places[exchange(placed_gradient(places), 5, **apart)])
     assert (best.value / found.value) ** (1 / 5) >= 0.999
     assert 0.97 < (TAKEN_TWICE / found.value) ** (1 / 5) < 0.999

@@ -7,7 +7,7 @@ import pytest
 from squeezefilm.config.study import Positions
 from squeezefilm.film.symmetry import Mirrors
 from squeezefilm.studies.plans import plan_sizes, random_plan, scenes_of, sweep_pieces
-from squeezefilm.studies.space import pad_positions, space_filling
+from squeezefilm.studies.space import pad_positions, space_filling_positions
 
 
 def test_the_screen_has_every_gap_with_every_amplitude_once(paper):
@@ -33,7 +33,7 @@ def test_the_four_factor_plan_has_13_positions_with_5_points(paper):
 def test_positions_of_another_study_fill_the_reachable_space(mirrored):
     """Whatever the wavelength, its phase at the positions is even: they cannot alias with it."""
     symmetry = Mirrors(x=mirrored, y=False)
-    positions = space_filling(symmetry, Positions(x=[0.01], y=[0.004], points=101))
+    positions = space_filling_positions(symmetry, Positions(x=[0.01], y=[0.004], points=101))
     x_m, y_m = np.transpose(positions)
     assert positions[0] == (0.0, 0.0)
     assert len(set(positions)) == 101

@@ -8,7 +8,7 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
     measured_interval,
-    ranking_half,
+    ranking_points_mask,
 )
 
 RANGES = {"h0_m": (5e-6, 10e-6), "hv_m": (0.2e-6, 2e-6), "phi_r_m": (0.0, 2e-3)}
@@ -66,7 +66,7 @@ def test_of_new_points_as_many_are_inside_as_stated():
 
 def test_a_simulation_without_a_force_counts_as_infinitely_wrong():
     factors = drawn(200, seed=1)
-    force, calibration = truth_n(factors), np.flatnonzero(~ranking_half(200))
+    force, calibration = truth_n(factors), np.flatnonzero(~ranking_points_mask(200))
     few, many = force.copy(), force.copy()
     few[calibration[:4]], many[calibration[:5]] = np.nan, np.nan
     assert interval(factors, force_n=few).failed == 4

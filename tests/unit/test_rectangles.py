@@ -9,11 +9,11 @@ import pytest
 from changed_sections import changed
 from example_scan import EXAMPLES, PLATE, scan_text
 
-from squeezefilm.config.loading import load_config, with_changes
+from squeezefilm.config.loading import load_config, with_changed_keys
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.scan import Scan
-from squeezefilm.film.measured.smooth import SmoothedScan, smoothed, smoothed_scan
+from squeezefilm.film.measured.smooth import SmoothedScan, smooth_scan, smoothed_scan
 from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
@@ -59,7 +59,7 @@ def test_an_ordinary_scan_gives_the_profile_within_its_error(shape, columns, row
     amplitude_m = 1e-6 * (exact(x_m, y_m) + noise + 0j)
     lines = np.arange(len(x_m)) + 2
     scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
-    smooth = smoothed(scan, surface=surface, axisymmetric=False)
+    smooth = smooth_scan(scan, surface=surface, axisymmetric=False)
     x_m, y_m, _ = surface.net()
     found_m = smooth.peak_m * smooth.profile.amplitude(x_m=x_m, y_m=y_m)
     off_m = np.abs(np.abs(found_m) - np.abs(1e-6 * exact(x_m, y_m)))
@@ -79,7 +79,7 @@ def test_a_scan_that_is_too_coarse_names_the_spacing_that_would_do():
         amplitude_m = 1e-6 * (np.cos(2 * np.pi * x_m / 0.012) + noise + 0j)
         lines = np.arange(len(x_m)) + 2
         scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
-        return smoothed(scan, surface=surface, axisymmetric=False)
+        return smooth_scan(scan, surface=surface, axisymmetric=False)
 
     with pytest.raises(InputError, match=r"modes of degree \d+; .*actuator\.surface") as refusal:
         smooth(9, 5)
@@ -92,7 +92,7 @@ def test_a_scan_is_smoothed_within_its_error(tmp_path):
     path.write_text(scan_text(noise=0.02, missing=0.03, seed=5, surface="plate"), encoding="utf-8")
     smoothed = smoothed_scan(path, surface=PLATE, axisymmetric=False)
     even = np.outer(np.arange(500) + 0.5, 1.32471795724474602596 ** np.array([-1.0, -2.0])) % 1
-    x_m, y_m = ((2 * even - 1) * PLATE.half_m).T  # all over it, but its very corners
+    x_m, y_m = ((2 * even - 1) * PLATE.half_extents_m).T  # all over it, but its very corners
     exact = EXAMPLES["plate"][1].amplitude(x_m=x_m, y_m=y_m)
     found = smoothed.profile.amplitude(x_m=x_m, y_m=y_m)
     found *= np.sign(found @ exact)  # half a period apart
@@ -110,7 +110,7 @@ def test_the_pad_must_lie_on_the_plate(plate, x_m, y_m):
 
 
 def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):
-    config = with_changes(study(plate), {"positions": {"x": [0.005, 0.0095], "y": [0, 0.005]}})
+    config = with_changed_keys(study(plate), {"positions": {"x": [0.005, 0.0095], "y": [0, 0.005]}})
     assert config.symmetry() == Mirrors(x=True, y=True)
     mirrored = pad_positions(config)
     assert mirrored[:4] == [(0.0, 0.0), (0.0, 0.005), (0.005, 0.0), (0.005, 0.005)]
@@ -130,7 +130,7 @@ def test_mirrored_positions_have_the_same_force(plate):
     forces = [each.force_n for each in solve(resolve_auto_terms(scenes), tolerance=1e-6)]
     assert forces == pytest.approx([forces[0]] * 4, rel=3e-6)
     found = Mirrors(x=True, y=False)
-    folded = found.represent(x_m=np.array([-1.0, 2.0]), y_m=np.array([-3.0, 4.0]))
+    folded = found.representative_positions(x_m=np.array([-1.0, 2.0]), y_m=np.array([-3.0, 4.0]))
     assert folded["x_m"].tolist() == [1.0, 2.0]
     assert folded["y_m"].tolist() == [-3.0, 4.0]
     assert symmetry_from_dict(found.to_dict(), source="fit") == found

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.config.study import Refine
-from squeezefilm.designs.sequential import Outcome, Pool, Sequential
+from squeezefilm.designs.sequential import Outcome, Pool, SequentialDesign
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 
@@ -50,7 +50,7 @@ def run(
         force = truth(points.factors.take(which).epsilon)
         return force, np.full(len(which), error_n)
 
-    loop = Sequential(tried, points, Refine(**goal), simulate, bound=100)
+    loop = SequentialDesign(tried, points, Refine(**goal), simulate, bound=100)
     return loop.run(), asked
 
 

@@ -16,7 +16,12 @@ from scipy.stats import binom
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.scan import Scan
-from squeezefilm.film.measured.smooth import SmoothedScan, read_smoothed, smoothed, write_smoothed
+from squeezefilm.film.measured.smooth import (
+    SmoothedScan,
+    read_smoothed,
+    smooth_scan,
+    write_smoothed,
+)
 from squeezefilm.film.profiles import Profile, TravellingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc, Rectangle
@@ -68,7 +73,7 @@ def unsigned(scan: Scan) -> Scan:
 
 
 def smooth(scan: Scan, **settings: Any) -> SmoothedScan:
-    return smoothed(scan, surface=Disc(RADIUS_M), axisymmetric=False, **settings)
+    return smooth_scan(scan, surface=Disc(RADIUS_M), axisymmetric=False, **settings)
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +149,7 @@ def test_waves_along_one_side_with_a_slope_along_the_other_are_covered(scene):
         amplitude_m = 1e-6 * (true.amplitude(x_m=x_m, y_m=y_m) + noise + 0j)
         lines = np.arange(len(x_m)) + 2
         scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
-        smooth = smoothed(scan, surface=surface, axisymmetric=False)
+        smooth = smooth_scan(scan, surface=surface, axisymmetric=False)
         errors = scan_errors([on(pad, smooth.profile) for pad in pads], smooth, device=device)
         held.append(np.abs(errors["force_n"] - exact_n) <= errors["scan_error_n"])
     assert np.mean(held) >= 0.9
@@ -174,11 +179,11 @@ def test_the_scale_may_be_taken_where_the_scan_measured():
     lines = np.arange(len(u)) + 2
     scan = Scan(Path("scan.csv"), x_m, y_m, u.astype(complex), lines, 0, signed=True)
     surface = Rectangle(0.06, 0.04)
-    default = smoothed(scan, surface=surface, axisymmetric=False)
+    default = smooth_scan(scan, surface=surface, axisymmetric=False)
     (note,) = default.warnings
     assert "between or beyond the last rows" in note
     assert "actuator.profile.scale: measured" in note
-    measured = smoothed(scan, surface=surface, axisymmetric=False, scale="measured")
+    measured = smooth_scan(scan, surface=surface, axisymmetric=False, scale="measured")
     assert measured.warnings == ()
     assert measured.peak_m == pytest.approx(1.2e-6, rel=0.01)
     assert measured.peak_bias_m < 0.2 * default.peak_bias_m

@@ -77,9 +77,9 @@ def test_a_direction_and_its_fold_have_one_force(case, quick):
 
 
 def test_the_template_s_directions_stand_for_all_that_differ(quick):
-    assert Directions(0, 45, mirror=True).images([0, 15, 30, 45]) == [0, 15, 30, 45]
-    assert Directions(0, 180, mirror=True).images([0, 45]) == [0, 45, 90, 135, 180]
-    assert Directions(0, 180, mirror=False).images([0, 45]) == [0, 45, 90, 135]
+    assert Directions(0, 45, mirror=True).equivalent_deg([0, 15, 30, 45]) == [0, 15, 30, 45]
+    assert Directions(0, 180, mirror=True).equivalent_deg([0, 45]) == [0, 45, 90, 135, 180]
+    assert Directions(0, 180, mirror=False).equivalent_deg([0, 45]) == [0, 45, 90, 135]
     rectangle = study(quick, RECTANGLE)
     places = pad_positions(rectangle)
     assert {angle for _, angle in places} == {0, 45, 90}

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from squeezefilm.cli.main import commands_of, main
-from squeezefilm.files import let_substitute
+from squeezefilm.cli.main import main, modules_of_commands
+from squeezefilm.files import enable_substitutes
 from squeezefilm.parallel import showing_progress
 
 ENCODINGS = ("ascii", "cp437", "cp932", "latin-1")
@@ -19,7 +19,7 @@ PRINTED = {
     "config config/quick.yaml": (0, "study: quick"),
     "config config/ñandú-σ.yaml": (2, "there is no such configuration file"),
     "simulate --h0 5µm --hv 1°": (2, "must be a number with its unit: m, mm, um"),
-    **{f"{command} --help": (0, "usage: squeezefilm") for command in commands_of()},
+    **{f"{command} --help": (0, "usage: squeezefilm") for command in modules_of_commands()},
 }
 
 
@@ -54,7 +54,7 @@ def test_progress_is_shown_in_ascii(monkeypatch):
     monkeypatch.setattr("squeezefilm.parallel.PROGRESS_INTERVAL_S", 0.01)
     terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii", errors="strict")
     monkeypatch.setattr("sys.stderr", terminal)
-    let_substitute(terminal)
+    enable_substitutes(terminal)
     with showing_progress("5 µm"):
         while b"5 um: " not in terminal.buffer.getvalue():
             pass

@@ -7,8 +7,8 @@ import pytest
 from physics_facts import CENTRED_N
 
 from squeezefilm.film.scene import Scene
-from squeezefilm_workflow.paper.uncertainty import compare
-from squeezefilm_workflow.reporting.pages import readable
+from squeezefilm_workflow.paper.uncertainty import assumptions_table
+from squeezefilm_workflow.reporting.pages import readable_table
 
 
 def film_like(scenes: list[Scene]) -> np.ndarray:
@@ -20,7 +20,7 @@ def film_like(scenes: list[Scene]) -> np.ndarray:
 
 @pytest.fixture(scope="module")
 def table(paper):
-    return compare(paper, forces=film_like)
+    return assumptions_table(paper, forces=film_like)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,9 @@ def test_the_needed_value_gives_the_papers_force(extrapolated):
 def test_only_a_plausible_value_explains(extrapolated):
     verdicts = extrapolated["verdict"]
     assert verdicts["amplitude"] == "explains"  # 2.2 µm may be 2.15 to 2.25 µm
-    assert readable(extrapolated).loc["amplitude", "plausible upper"] == "2.25"  # not in percent
+    assert (
+        readable_table(extrapolated).loc["amplitude", "plausible upper"] == "2.25"
+    )  # not in percent
     assert (verdicts.drop("amplitude") == "cannot explain").all()
     # A pressure would, but not one that is plausible.
     assert np.isfinite(extrapolated["needed"]["ambient pressure"])

@@ -18,13 +18,13 @@ from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
-from squeezefilm.models.export import LANGUAGES, source
+from squeezefilm.models.export import NAN_OF_LANGUAGE, source_code
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
 from squeezefilm.studies.tasks.physics_limits import limit_table_of
-from squeezefilm.units import quantities, to_its_error
+from squeezefilm.units import quantities, round_to_error
 
 THETA = {
     "two_factor": SCREEN_THETA,
@@ -239,7 +239,7 @@ EXPORTED = [
 
 def in_python(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     names: dict = {}
-    exec(source(fit, "python"), names)
+    exec(source_code(fit, "python"), names)
     return [[names["force_n"](*point), names["in_range"](*point)] for point in points.tolist()]
 
 
@@ -247,7 +247,7 @@ def in_c(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler (cc or gcc) here")
-    (folder / "model.h").write_text(source(fit, "c"))
+    (folder / "model.h").write_text(source_code(fit, "c"))
     at = [f"p[{index}]" for index in range(points.shape[1])]
     values, pointers = ", ".join(at), ", ".join(f"&{each}" for each in at)
     (folder / "main.c").write_text(
@@ -269,7 +269,7 @@ def in_c(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
 
 def in_matlab(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
     """The formula and the range as MATLAB has them; nothing here runs the rest of the file."""
-    text = source(fit, "matlab")
+    text = source_code(fit, "matlab")
     assert len(re.findall(r"^(?:function|if|for)\b", text, re.M)) + text.count("\n    if") == len(
         re.findall(r"^ *end$", text, re.M)
     )
@@ -299,7 +299,7 @@ def in_javascript(fit, points: np.ndarray, folder: Path) -> list[list[float]]:
         pytest.skip("no node here; tests/browser runs the same code in a browser")
     both = f"[{fit.model}.force_n(...p), {fit.model}.in_range(...p)]"
     call = f"console.log(JSON.stringify({json.dumps(points.tolist())}.map((p) => {both})));"
-    script = f"{source(fit, 'javascript')}\n{call}"
+    script = f"{source_code(fit, 'javascript')}\n{call}"
     output = subprocess.run([node], input=script, capture_output=True, text=True, timeout=60)
     assert output.returncode == 0, output.stderr
     return json.loads(output.stdout)
@@ -365,10 +365,10 @@ def test_exported_code_brings_positions_to_those_that_stand_for_them(
         np.testing.assert_allclose(found, exact, rtol=1e-12)
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("language", NAN_OF_LANGUAGE)
 def test_exported_code_has_a_sinc_where_its_formula_has_one(language, write_fit):
     for model, theta in ((get_model("two_factor"), THETA["two_factor"]), EXPORTED[-1]):
-        text = source(read_fit(write_fit(model, theta)), language)
+        text = source_code(read_fit(write_fit(model, theta)), language)
         assert ("sinc" in text.replace(model.expression, "")) == ("sinc" in model.expression)
 
 
@@ -392,7 +392,7 @@ def test_constants_with_units_are_in_a_fit_and_in_its_code(write_fit):
     model = make_model("waves", entry | {"constants": {"wavelength": "12 mm"}}, source="test")
     assert model.parameter_units == ("N",)
     fit, names = read_fit(write_fit(model, (3.0,))), {}
-    exec(source(fit, "python"), names)
+    exec(source_code(fit, "python"), names)
     force_n = 3.0 * 0.2**2 * math.cos(4 * math.pi * 1e-3 / 0.012)
     assert names["force_n"](5e-6, 1e-6, 1e-3, 0.0) == pytest.approx(force_n, rel=1e-12)
     with pytest.raises(InputError, match=r"constants.wavelength: '12 furlongs' is no number"):
@@ -402,11 +402,11 @@ def test_constants_with_units_are_in_a_fit_and_in_its_code(write_fit):
 def test_outside_its_domain_generated_code_gives_no_number(write_fit):
     names: dict = {}
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"]))
-    exec(source(fit, "python"), names)
+    exec(source_code(fit, "python"), names)
     assert math.isnan(names["force_n"](1e-6, 0.99e-6))
     assert math.isnan(names["force_n"](0.0, 1e-6))
     limit: dict = {}
-    exec(source(read_fit(write_fit(get_model("limit_2"), THETA["limit_2"])), "python"), limit)
+    exec(source_code(read_fit(write_fit(get_model("limit_2"), THETA["limit_2"])), "python"), limit)
     assert math.isnan(limit["force_n"](5e-6, 1e-6, 5e-3, 0.0))
 
 
@@ -427,9 +427,9 @@ def test_a_fit_that_lacks_a_part_is_refused(part, write_fit):
 @pytest.mark.parametrize("name", ['x"); system("true', "a b", "*/", "é", ""])
 def test_a_fits_name_cannot_carry_code(name, write_fit):
     fit = read_fit(write_fit(get_model("two_factor"), THETA["two_factor"], model=name))
-    for language in LANGUAGES:
+    for language in NAN_OF_LANGUAGE:
         with pytest.raises(InputError, match="cannot name a function"):
-            source(fit, language)
+            source_code(fit, language)
 
 
 def test_the_table_of_limits_states_its_error(limit_table):
@@ -452,7 +452,7 @@ def test_the_table_of_limits_states_its_error(limit_table):
     ],
 )
 def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):
-    assert to_its_error(force_n, error_n) == shown
+    assert round_to_error(force_n, error_n) == shown
 
 
 def test_errors_of_95_and_99_percent_are_rounded_alike(write_fit, capsys):

@@ -8,8 +8,8 @@ import pytest
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.validity import (
+    EQUATION_NOT_APPLICABLE,
     ERROR_UNVERIFIED,
-    NOT_APPLICABLE,
     OK,
     exceeded_limits,
     validity,
@@ -45,19 +45,22 @@ IN, SLIP, KINETIC = (
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"h0_um": 5, "side_m": 1e-5}, f"h0/l = 0.5 is above 0.1: {NOT_APPLICABLE}"),
-        ({"h0_um": 1e-3, "hv_um": 1e-4}, f"Kn = 67 is above 0.18 (viscous flow): {NOT_APPLICABLE}"),
+        ({"h0_um": 5, "side_m": 1e-5}, f"h0/l = 0.5 is above 0.1: {EQUATION_NOT_APPLICABLE}"),
+        (
+            {"h0_um": 1e-3, "hv_um": 1e-4},
+            f"Kn = 67 is above 0.18 (viscous flow): {EQUATION_NOT_APPLICABLE}",
+        ),
         ({"h0_um": 0.6, **SLIP}, f"Kn = 0.112 is above 0.1 (first-order slip): {ERROR_UNVERIFIED}"),
         (
             {"h0_um": 69.66, "hz": 20e3},
-            f"Re = 40.6 is above 10 (inertia neglected): {NOT_APPLICABLE}",
+            f"Re = 40.6 is above 10 (inertia neglected): {EQUATION_NOT_APPLICABLE}",
         ),
         (
             {"h0_um": 24, **IN, "thermal": "included"},
             f"Re = 10.4 is above 10 (thermal effects included): {ERROR_UNVERIFIED}",
         ),
-        ({"h0_um": 5, "hz": 8e6}, f"h0/λ = 0.117 is above 0.1: {NOT_APPLICABLE}"),
-        ({"h0_um": 5, "speed": -1000.0}, f"Ma = 2.91 is above 1: {NOT_APPLICABLE}"),
+        ({"h0_um": 5, "hz": 8e6}, f"h0/λ = 0.117 is above 0.1: {EQUATION_NOT_APPLICABLE}"),
+        ({"h0_um": 5, "speed": -1000.0}, f"Ma = 2.91 is above 1: {EQUATION_NOT_APPLICABLE}"),
         ({"h0_um": 5, "speed": 120.0}, f"Ma = 0.35 is above 0.3: {ERROR_UNVERIFIED}"),
         (
             {"h0_um": 30, "hz": 100.0, "side_m": 1.5e-3, "speed": 100.0},

@@ -17,7 +17,7 @@ from squeezefilm_workflow.reporting.explorer import explorer_page
 from squeezefilm_workflow.reporting.figures import FIGURES as OF_ANY_STUDY
 from squeezefilm_workflow.reporting.figures import save, style
 from squeezefilm_workflow.reporting.figures.curve import curve
-from squeezefilm_workflow.reporting.pages import body_of, render
+from squeezefilm_workflow.reporting.pages import html_of_markdown, render
 from squeezefilm_workflow.reporting.results import Results
 from squeezefilm_workflow.reporting.summary import headline_values, summary_values
 
@@ -31,7 +31,7 @@ KNOWN_UNITS = ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)", "(Hz)", 
 
 
 def drawn(name: str, results: Results):
-    with style.settings():
+    with style.figure_style():
         found = FIGURES[f"figures/{name}"](results)
         figure = found[0] if isinstance(found, tuple) else found
         figure.draw_without_rendering()
@@ -119,7 +119,7 @@ def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path,
 
 def test_a_page_shows_tables_text_and_verdicts_and_needs_nothing_else():
     rows = "| a | b |\n| --- | --- |\n| 1 \\| 2 | <b>x</b> |\n| agrees exactly | failed |\n"
-    page = render("page.html", body=body_of(f"# A\n\n{rows}"), title="a <b>")
+    page = render("page.html", body=html_of_markdown(f"# A\n\n{rows}"), title="a <b>")
     assert "<h1>A</h1>" in page
     assert "<td>1 | 2</td>" in page
     assert "<td>&lt;b&gt;x&lt;/b&gt;</td>" in page

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.provenance import SOURCES, WORKFLOW
+from squeezefilm.provenance import SOURCES_OF_STAGE, WORKFLOW_DIR
 
 from .conftest import EVERYTHING, QUICK, copy_checkout, made_anew, snakemake
 
@@ -67,29 +67,33 @@ def imported(path: Path) -> set[Path]:
             names |= {name.name for name in node.names}
         elif isinstance(node, ast.ImportFrom):
             names |= {f"{node.module}.{name.name}" for name in node.names} | {node.module}
-    files = {WORKFLOW / f"{name.replace('.', '/')}.py" for name in names}
+    files = {WORKFLOW_DIR / f"{name.replace('.', '/')}.py" for name in names}
     return {file for file in files if file.is_file()}
 
 
 def scripts_of(stage: str) -> list[Path]:
     """The scripts of the rules of a stage; a rule's digest is of its script too."""
-    rules = "".join(path.read_text("utf-8") for path in (WORKFLOW / "rules").glob("*.smk"))
+    rules = "".join(path.read_text("utf-8") for path in (WORKFLOW_DIR / "rules").glob("*.smk"))
     scripts = re.findall(rf'code_of\("{stage}", "(\w+)"\)', rules)
     # Of simulate.py the extrapolation's plan alone reads fits; it has the models' digest.
-    return [WORKFLOW / f"scripts/{name}.py" for name in scripts if name != "simulate"]
+    return [WORKFLOW_DIR / f"scripts/{name}.py" for name in scripts if name != "simulate"]
 
 
 @pytest.mark.parametrize("stage", ["solver", "models"])
 def test_the_digest_of_a_stage_covers_all_that_its_scripts_import(stage):
-    covered = {file for source in SOURCES[stage] for file in (WORKFLOW / source).rglob("*.py")}
-    covered |= {WORKFLOW / source for source in SOURCES[stage] if source.endswith(".py")}
+    covered = {
+        file for source in SOURCES_OF_STAGE[stage] for file in (WORKFLOW_DIR / source).rglob("*.py")
+    }
+    covered |= {
+        WORKFLOW_DIR / source for source in SOURCES_OF_STAGE[stage] if source.endswith(".py")
+    }
     waiting = scripts_of(stage)
     assert waiting
     reached = set()
     while waiting:
         reached.add(file := waiting.pop())
         waiting += imported(file) - reached
-    beyond = {str(file.relative_to(WORKFLOW)) for file in reached - covered}
+    beyond = {str(file.relative_to(WORKFLOW_DIR)) for file in reached - covered}
     # What begins a script, writes what made the results and names the version decides no result.
     beyond -= {"squeezefilm/provenance.py", "squeezefilm/__init__.py"}
     beginnings = ("scripts/", "squeezefilm_workflow/job.py", "squeezefilm_workflow/finished.py")

@@ -9,17 +9,22 @@ import pytest
 from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
 from squeezefilm.cli.main import main
-from squeezefilm.columns import unregistered
+from squeezefilm.columns import unregistered_columns
 from squeezefilm.config.loading import load_config
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import PHYSICS_COLUMNS as COLUMNS_OF_PHYSICS
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fit_file import fit_of, read_fit
-from squeezefilm.studies.tasks.fits import validated
+from squeezefilm.models.fit_file import fit_from_values, read_fit
+from squeezefilm.studies.tasks.fits import with_interval
 from squeezefilm.tables import FACTOR_COLUMNS, read_forces
-from squeezefilm_workflow.paper.claims import CLAIM_COLUMNS, CLAIMS, judge
-from squeezefilm_workflow.paper.equations import CONDITIONS, FIT_OF_MODEL, compare, conditions
+from squeezefilm_workflow.paper.claims import CLAIM_COLUMNS, CLAIMS, judged_claims
+from squeezefilm_workflow.paper.equations import (
+    CONCLUSION_CONDITIONS,
+    FIT_OF_MODEL,
+    equations_table,
+    rows_of_conditions,
+)
 from squeezefilm_workflow.reporting import models
 
 MORE = 1.02
@@ -28,11 +33,11 @@ MORE = 1.02
 
 @pytest.fixture(scope="module")
 def claims(study):
-    return judge(study.results).set_index("claim_id")
+    return judged_claims(study.results).set_index("claim_id")
 
 
 def test_every_claim_of_the_paper_is_there_once_with_a_verdict(study, claims):
-    assert tuple(judge(study.results).columns) == CLAIM_COLUMNS
+    assert tuple(judged_claims(study.results).columns) == CLAIM_COLUMNS
     assert claims.index.is_unique
     assert len(claims) == len(CLAIMS) >= 20
     assert claims["verdict"].str.match(r"agrees \S+|differs because \S+|undecided with \d").all()
@@ -42,7 +47,7 @@ def test_every_claim_of_the_paper_is_there_once_with_a_verdict(study, claims):
 def test_every_column_of_the_results_has_a_meaning(study):
     tables = [pd.read_csv(path, nrows=0) for path in study.root.rglob("*.csv")]
     assert len(tables) > 100
-    assert not {name for table in tables for name in unregistered(table)}
+    assert not {name for table in tables for name in unregistered_columns(table)}
 
 
 def test_the_papers_own_numbers_agree_with_themselves():
@@ -74,14 +79,14 @@ def test_the_force_beyond_the_equation_stands_beside_the_paper_s(claims):
 )
 def test_a_wrong_force_and_days_are_seen(claim_id, file, change, word, study, tmp_path):
     results = study.changed(tmp_path, file, lambda table: table.assign(**change))
-    assert judge(results).set_index("claim_id").loc[claim_id, "verdict"].split()[0] == word
+    assert judged_claims(results).set_index("claim_id").loc[claim_id, "verdict"].split()[0] == word
 
 
 def test_a_broken_result_is_named(study, tmp_path):
     file = "simulations/extrapolation/forces.csv"
     results = study.changed(tmp_path, file, lambda table: table.assign(point_id=table.index))
     with pytest.raises(InputError, match=rf"{file}.*there is no point 'operating_point'"):
-        judge(results)
+        judged_claims(results)
 
 
 def test_relative_errors_at_the_smallest_amplitude_are_of_both_fits(study, claims, monkeypatch):
@@ -94,7 +99,7 @@ def test_relative_errors_at_the_smallest_amplitude_are_of_both_fits(study, claim
     shown = claims.loc["band_small", "ours"]
     assert all(f"{each:.2g}" in shown for each in worst.values())
     monkeypatch.setattr("squeezefilm_workflow.paper.claims.CLAIMS", CLAIMS.assign(needed=""))
-    decided = judge(study.results).set_index("claim_id")
+    decided = judged_claims(study.results).set_index("claim_id")
     assert decided.loc["band_small", "verdict"].startswith("agrees")
 
 
@@ -107,7 +112,7 @@ def equations(study, tmp_path_factory):
         file = root / f"simulations/{plan}/forces.csv"
         table = pd.read_csv(file)
         table.assign(force_n=MORE * table["force_n"]).to_csv(file, index=False)
-    return compare(study.results, other)
+    return equations_table(study.results, other)
 
 
 def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(equations, study):
@@ -126,14 +131,14 @@ def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(equations, s
 
 def test_the_conclusion_falls_with_any_of_its_conditions(equations):
     sound = equations.copy()
-    judged = sound["part"].isin([part for part, *_ in CONDITIONS])
+    judged = sound["part"].isin([part for part, *_ in CONCLUSION_CONDITIONS])
     sound.loc[judged & sound["quantity"].str.contains("error"), "with_inertia"] = 0.0
-    assert conditions(sound)["holds"].all()
-    for part, quantity, largest in CONDITIONS:
+    assert rows_of_conditions(sound)["holds"].all()
+    for part, quantity, largest in CONCLUSION_CONDITIONS:
         worse = sound.copy()
         row = (worse["part"] == part) & (worse["quantity"] == quantity)
         worse.loc[row, "with_inertia"] = 1.01 * largest
-        assert not conditions(worse)["holds"].all()
+        assert not rows_of_conditions(worse)["holds"].all()
 
 
 def test_the_study_with_inertia_is_the_papers_but_for_that(repository):
@@ -236,10 +241,10 @@ def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(study):
     sample = study.results.forces("validation_two_factor")
     limits = pd.read_csv(study.root / "simulations/validation_two_factor/limits.csv")
     sample = sample.assign(**limits[[*COLUMNS_OF_PHYSICS.values()]])
-    assert validated(fit, study.results.config, sample=sample).interval is not None
+    assert with_interval(fit, study.results.config, sample=sample).interval is not None
     values = fit.to_dict()
     coefficients = values["limit_table"]["coefficients"]
     wrong = [value * (1 + 0.1 * (-1) ** k) for k, value in enumerate(coefficients["limit_n"])]
     values["limit_table"]["coefficients"] = coefficients | {"limit_n": wrong}
     with pytest.raises(InputError, match="table of asymptotic forces is too coarse"):
-        validated(fit_of(values, source="here"), study.results.config, sample=sample)
+        with_interval(fit_from_values(values, source="here"), study.results.config, sample=sample)

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.provenance import WORKFLOW
-from squeezefilm_workflow.verification.run_times import paper_times
+from squeezefilm.provenance import WORKFLOW_DIR
+from squeezefilm_workflow.verification.run_times import paper_run_times
 
 from .conftest import snakemake
 
@@ -52,7 +52,7 @@ def run(tmp_path, repository, monkeypatch):
             RULE.format(study=repository / "config/quick.yaml"), encoding="utf-8"
         )
         (folder / "job's script.py").write_text(SCRIPT.format(end=end), encoding="utf-8")
-        path = os.pathsep.join([str(WORKFLOW), os.environ.get("PYTHONPATH", "")])
+        path = os.pathsep.join([str(WORKFLOW_DIR), os.environ.get("PYTHONPATH", "")])
         for name, value in {"PYTHONPATH": path, **BUFFERED}.items():
             monkeypatch.setenv(name, value)
         done = snakemake(folder, "--cores", "1", environment=variables)
@@ -66,7 +66,7 @@ def test_all_that_a_script_prints_goes_to_its_log(run):
     status, terminal, log, result = run("pass")
     assert status == 0
     assert log.startswith("printed 1\nby another program\nUsed: ")
-    used = paper_times(result.parent / "logs").iloc[0]
+    used = paper_run_times(result.parent / "logs").iloc[0]
     assert (used["rule"], used["jobs"]) == ("job", 1)
     assert used["processor time (s)"] > 0.1
     assert "printed" not in terminal

@@ -24,10 +24,10 @@ def refuse(message):
 
 
 try:
-    from squeezefilm.files import digest, remove_parts, write_text
+    from squeezefilm.files import digest, remove_partial_files, write_text
     from squeezefilm.errors import InputError
-    from squeezefilm.provenance import SOURCES, code_digest
-    from squeezefilm.config.loading import load_config, write_effective, written_study
+    from squeezefilm.provenance import SOURCES_OF_STAGE, code_digest
+    from squeezefilm.config.loading import load_config, write_effective_study, write_study_file
     from squeezefilm.tables import check_parquet
     import squeezefilm_workflow
 except ImportError as error:
@@ -60,7 +60,7 @@ def given_study():
     config that a module is given is written into a file.
     """
     if IN_MODULE:
-        return load_config(written_study(config, results=Path("results")))
+        return load_config(write_study_file(config, results=Path("results")))
     files = [in_folder(path) for path in STUDY_FILES]
     if len(files) > 1:
         raise InputError(
@@ -102,7 +102,7 @@ MEASURED = CONFIG.measurements and CONFIG.measurements.file
 
 # What decides a job's numbers beside its input files are parameters of its rule, so that Snakemake
 # makes anew what an edit reaches: a digest of its stage's code, and sections of the study.
-CODE = {stage: code_digest(stage) for stage in SOURCES}
+CODE = {stage: code_digest(stage) for stage in SOURCES_OF_STAGE}
 
 
 @cache
@@ -139,12 +139,12 @@ def checked_study():
     kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())
-    from squeezefilm.models.force_model import check_models
+    from squeezefilm.models.force_model import check_models_of_study
     from squeezefilm.studies.plans import chunk_counts
     from squeezefilm.studies.study import check_study
 
     check_study(CONFIG)
-    check_models(CONFIG)
+    check_models_of_study(CONFIG)
     if STYLE:
         from squeezefilm_workflow.reporting.figures.style import read_style
 
@@ -308,8 +308,8 @@ onstart:
         # Tables of a sweep are in Parquet; the package for it is no part of the environment.
         if "sweep" in map(str, workflow.dag_settings.targets):
             check_parquet()
-        remove_parts(Path("results") / STUDY)
-        write_effective(CONFIG, Path("results") / STUDY)
+        remove_partial_files(Path("results") / STUDY)
+        write_effective_study(CONFIG, Path("results") / STUDY)
     except InputError as error:
         refuse(error)
 

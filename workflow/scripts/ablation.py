@@ -9,15 +9,15 @@ from squeezefilm.tables import read_scenes, write_table
 from squeezefilm_workflow.job import Job, Study, run
 from squeezefilm_workflow.verification.ablation import ablation
 
-TOLERANCES = (1e-2, 1e-4, 1e-6)
+FORCE_TOLERANCES = (1e-2, 1e-4, 1e-6)
 
 
 def main(snakemake: Job, config: Study) -> None:
     device, repeats = device_of(config), config.numerics.repeats
     points = pd.concat([read_scenes(path) for path in snakemake.input.scenes])
     settings = solver_settings(config, outputs=())
-    scenes = settings.resolved(scenes_in(points, config))
-    table = ablation(scenes, tolerances=TOLERANCES, repeats=repeats, device=device)
+    scenes = settings.with_terms_decided(scenes_in(points, config))
+    table = ablation(scenes, tolerances=FORCE_TOLERANCES, repeats=repeats, device=device)
     write_table(table.assign(repeats=repeats, device=device.name), snakemake.output[0])
     print(table.to_string(index=False))
     # The promise to a user: no error above the tolerance, and estimates honest in 99 %.

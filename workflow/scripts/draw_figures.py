@@ -3,14 +3,14 @@
 from collections import defaultdict
 from pathlib import Path
 
-from squeezefilm_workflow.finished import results_of
+from squeezefilm_workflow.finished import results_of_job
 from squeezefilm_workflow.job import Job, Study, run
 from squeezefilm_workflow.paper.figures import FIGURES as OF_THE_PAPER
 from squeezefilm_workflow.reporting.figures import FIGURES, save
 
 
 def main(snakemake: Job, config: Study) -> None:
-    results = results_of(snakemake, config)
+    results = results_of_job(snakemake, config)
     files = defaultdict(list)
     for file in map(Path, snakemake.output):
         files[f"{file.parent.name}/{file.name.partition('.')[0]}"].append(file)

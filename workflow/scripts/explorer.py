@@ -3,13 +3,13 @@
 from plotly.offline import get_plotlyjs
 
 from squeezefilm.files import write_text
-from squeezefilm_workflow.finished import results_of
+from squeezefilm_workflow.finished import results_of_job
 from squeezefilm_workflow.job import Job, Study, run
 from squeezefilm_workflow.reporting.explorer import explorer_page
 
 
 def main(snakemake: Job, config: Study) -> None:
-    results = results_of(snakemake, config)
+    results = results_of_job(snakemake, config)
     params = snakemake.params
     page = explorer_page(
         results,

@@ -6,34 +6,34 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.api.film import Film
-from squeezefilm.api.forces import budget_table, scan_error_of
-from squeezefilm.dynamics.levitation import levitation_table, levitations, loads_of_forces
-from squeezefilm.dynamics.response import all_gains, responses
+from squeezefilm.api.forces import budget_table, scan_error_function
+from squeezefilm.dynamics.levitation import levitation_rows, levitation_table, loads_of_forces
+from squeezefilm.dynamics.response import gain_table, responses
 from squeezefilm.film.scene import Scenes
-from squeezefilm.film.validity import GAPS_M
+from squeezefilm.film.validity import GAP_RANGE_M
 from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm_workflow.job import Job, Study, run
 
-FREQUENCY_HZ = np.geomspace(3, 4000, 60).round(1)
+MODULATION_FREQUENCIES_HZ = np.geomspace(3, 4000, 60).round(1)
 
 
-def gaps_of_loads(study: Film, forces_file: str) -> pd.DataFrame:
+def levitation_table_of_forces(study: Film, forces_file: str) -> pd.DataFrame:
     """The gaps that carry loads like the plan's forces."""
     settings = study.solver()
     loads_n, amplitudes_m = loads_of_forces(forces_file)
-    moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAPS_M[1]}))
-    how = settings.how | {"model_tolerance": settings.model_tolerance}
-    scan_error_n = scan_error_of(study.scan, device=settings.device)
-    rows = levitations(moved, loads_n, how=how, scan_error_n=scan_error_n)
+    moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAP_RANGE_M[1]}))
+    how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
+    scan_error_n = scan_error_function(study.scan, device=settings.device)
+    rows = levitation_rows(moved, loads_n, how=how, scan_error_n=scan_error_n)
     return levitation_table(rows, resonances=False)
 
 
-def film_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFrame:
+def cross_section_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFrame:
     """Gap and pressure along the middle of the pad over a period."""
     from squeezefilm_workflow.reporting.cross_section import cross_section
 
-    resolved = settings.resolved(scenes)
+    resolved = settings.with_terms_decided(scenes)
     films = [cross_section(scene, device=settings.device) for scene in resolved]
     return pd.concat(films, ignore_index=True)
 
@@ -45,9 +45,9 @@ def main(snakemake: Job, config: Study) -> None:
     scenes = study.scenes(points)
     tables = {
         "error_budget": lambda: budget_table(points, study),
-        "film": lambda: film_table(settings, scenes),
-        "gains": lambda: all_gains(points, scenes, FREQUENCY_HZ),
-        "levitation": lambda: gaps_of_loads(study, snakemake.input.forces),
+        "film": lambda: cross_section_table(settings, scenes),
+        "gains": lambda: gain_table(points, scenes, MODULATION_FREQUENCIES_HZ),
+        "levitation": lambda: levitation_table_of_forces(study, snakemake.input.forces),
         "response": lambda: responses(points, scenes, tolerance=settings.tolerance, device=device),
     }
     for path in snakemake.output:

@@ -7,7 +7,11 @@ from squeezefilm.errors import InputError
 from squeezefilm.files import digest
 from squeezefilm.models.data import PHYSICS_COLUMNS
 from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.tasks.fits import fit_to_forces, limits_of, profile_uncertainty
+from squeezefilm.studies.tasks.fits import (
+    asymptotic_forces_of_table,
+    fit_to_forces,
+    profile_uncertainty,
+)
 from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json, write_table
 from squeezefilm_workflow.job import Job, Study, run
 
@@ -22,7 +26,7 @@ def main(snakemake: Job, config: Study) -> None:
     candidates = output.get("limits")
     if candidates:
         for (name, points), path in zip([*given.items()], candidates, strict=True):
-            limits = limits_of(points, config)
+            limits = asymptotic_forces_of_table(points, config)
             write_table(limits, path)
             given[name] = points.assign(**limits[[*PHYSICS_COLUMNS.values()]])
         given |= {"limit_table": read_json(files.limit_table)}

@@ -1,12 +1,12 @@
 """Write measured forces beside computed ones, and what the differences are worth."""
 
-from squeezefilm.api.measurements import compare_measurements, summary_of
+from squeezefilm.api.measurements import chi_square_summary, compare_measurements
 from squeezefilm_workflow.job import Job, Study, run, write
 
 
 def main(snakemake: Job, config: Study) -> None:
     table = compare_measurements(config)
-    write(snakemake.output, comparison=table, summary=summary_of(table))
+    write(snakemake.output, comparison=table, summary=chi_square_summary(table))
 
 
 if __name__ == "__main__":

@@ -2,12 +2,12 @@
 
 from importlib import import_module
 
-from squeezefilm_workflow.finished import results_of
+from squeezefilm_workflow.finished import results_of_job
 from squeezefilm_workflow.job import Job, Study, run, write
 from squeezefilm_workflow.reporting.pages import render, write_page
 
 # Each has a function PAGE_page; what one needs takes others long to import.
-MODULES = {
+MODULE_OF_PAGE = {
     "check": "squeezefilm_workflow.reporting.check",
     "equations": "squeezefilm_workflow.paper.equations",
     "models": "squeezefilm_workflow.reporting.models",
@@ -18,13 +18,13 @@ MODULES = {
 
 
 def main(snakemake: Job, config: Study) -> None:
-    results = results_of(snakemake, config)
+    results = results_of_job(snakemake, config)
     params, output = snakemake.params, snakemake.output
-    build = getattr(import_module(MODULES[params.page]), f"{params.page}_page")
+    build = getattr(import_module(MODULE_OF_PAGE[params.page]), f"{params.page}_page")
     page = build(results, **params.get("about", {}), **snakemake.wildcards)
     write(output, **page.files)
     text = render(f"{params.page}.md", **page.values)
-    write_page(text, output.page, folder=results.folder, beyond=results.beyond)
+    write_page(text, output.page, folder=results.folder, beyond=results.validity_note)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
 """Write the residuals of a smooth profile of a scan, and the errors of its forces."""
 
 from squeezefilm.studies.tasks.scan_errors import scan_report
-from squeezefilm_workflow.job import Job, Study, print_result, run, telling_progress, write
+from squeezefilm_workflow.job import Job, Study, print_result, run, show_progress_on_terminal, write
 
 
 def main(snakemake: Job, config: Study) -> None:
-    with telling_progress("profile"):
+    with show_progress_on_terminal("profile"):
         forces, profile, summary, text = scan_report(config)
     write(snakemake.output, forces=forces, figure=profile, summary=summary)
     print_result(text)

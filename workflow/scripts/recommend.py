@@ -1,13 +1,13 @@
 """Write the best model of each space, and the amplitude that it needs at each position."""
 
 from squeezefilm.tables import write_table
-from squeezefilm_workflow.finished import results_of
+from squeezefilm_workflow.finished import results_of_job
 from squeezefilm_workflow.job import Job, Study, run
 from squeezefilm_workflow.reporting.models import recommend
 
 
 def main(snakemake: Job, config: Study) -> None:
-    results = results_of(snakemake, config)
+    results = results_of_job(snakemake, config)
     write_table(recommend(results), snakemake.output[0])
 
 

@@ -4,7 +4,7 @@ from itertools import product
 
 from squeezefilm.errors import prefix_errors
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.tasks.fits import errors_on
+from squeezefilm.studies.tasks.fits import errors_of_fit
 from squeezefilm.tables import read_ok_forces, write_json, write_table
 from squeezefilm_workflow.job import Job, Study, run
 
@@ -14,7 +14,7 @@ def main(snakemake: Job, config: Study) -> None:
     pairs = product(files.fits, files.forces)
     for (fit, forces), errors, summary in zip(pairs, output.errors, output.summary, strict=True):
         with prefix_errors(f"{fit} on {forces}"):
-            table, about = errors_on(read_fit(fit), read_ok_forces(forces), config)
+            table, about = errors_of_fit(read_fit(fit), read_ok_forces(forces), config)
         write_table(table, errors)
         write_json(about, summary)
 

@@ -8,7 +8,7 @@ from squeezefilm.tables import write_table
 from squeezefilm_workflow.job import Job, Study, run
 from squeezefilm_workflow.verification.work_precision import FILMS, work_precision
 
-BATCH = 100
+SCENES_PER_BATCH = 100
 
 
 def main(snakemake: Job, config: Study) -> None:
@@ -17,7 +17,7 @@ def main(snakemake: Job, config: Study) -> None:
     table = work_precision(
         FILMS if full else (FILMS[1], FILMS[4]),
         repeats=settings.repeats,
-        batch=BATCH,
+        batch=SCENES_PER_BATCH,
         longest_seconds=settings.longest_seconds,
         rungs=10 if full else 3,
         device=device,

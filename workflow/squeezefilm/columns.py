@@ -41,23 +41,25 @@ class Column(NamedTuple):
         words = self.label.removesuffix(f" {self.text_symbol}")
         return f"{words} ${self.symbol}$" if self.symbol else words
 
-    def shown(self, values: Any) -> Any:
+    def in_shown_unit(self, values: Any) -> Any:
         """Values in the shown unit, or in the column's own."""
         if not self.shown_unit:
             return values
         return values / unit_sizes(self.unit)[self.shown_unit]
 
 
-_LINES = Path(__file__).with_name("columns.csv").read_text(encoding="utf-8").splitlines()
-COLUMNS = {row[0]: Column(*row) for row in csv.reader(_LINES[1:])}
+_COLUMNS_CSV_LINES = (
+    Path(__file__).with_name("columns.csv").read_text(encoding="utf-8").splitlines()
+)
+COLUMNS = {row[0]: Column(*row) for row in csv.reader(_COLUMNS_CSV_LINES[1:])}
 """Every column that the commands and the workflow write, by name."""
 NAME_PATTERNS = [name for name in COLUMNS if "*" in name]
 TEXT_COLUMNS = {column.name for column in COLUMNS.values() if column.unit == "text"}
-FORCE_ERRORS = ("error_95_n", "error_99_n", "measurement_noise_n")
+FORCE_ERROR_COLUMNS = ("error_95_n", "error_99_n", "measurement_noise_n")
 """Columns of errors that are those of a force without its name."""
 
 
-def unregistered(names: Iterable[str]) -> list[str]:
+def unregistered_columns(names: Iterable[str]) -> list[str]:
     """Return the columns that COLUMNS does not list."""
     others = [name for name in names if name not in COLUMNS]
     return [
@@ -74,5 +76,5 @@ def error_column(name: str, kind: str = "error") -> str:
 def error_columns(name: str, names: Container[str]) -> list[str]:
     """The columns of a value's errors among those of a table."""
     known = [error_column(name, kind) for kind in ("error", "error_95", "measurement_noise")]
-    known += [*FORCE_ERRORS] * (name == "force_n")
+    known += [*FORCE_ERROR_COLUMNS] * (name == "force_n")
     return [column for column in known if column in names]

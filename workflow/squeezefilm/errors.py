@@ -21,14 +21,14 @@ class RunError(Exception):
     """
 
 
-def check_problems(source: object, problems: Mapping[str, object]) -> None:
+def raise_first_problem(source: object, problems: Mapping[str, object]) -> None:
     """Raise an InputError with the first problem whose condition holds."""
     for problem, wrong in problems.items():
         if wrong:
             raise InputError(f"{source}: {problem}")
 
 
-MOST_NAMED = 20
+MAX_ROWS_NAMED = 20
 """Rows of a table that one message names, at most."""
 
 
@@ -38,9 +38,9 @@ def reject_rows(problems: Sequence[str], *, count: int | None = None) -> None:
     Args:
         count: number of problems, where those given are only the first of them.
     """
-    more = (len(problems) if count is None else count) - MOST_NAMED
+    more = (len(problems) if count is None else count) - MAX_ROWS_NAMED
     if problems:
-        lines = [*problems[:MOST_NAMED], *([f"and {more} more"] if more > 0 else [])]
+        lines = [*problems[:MAX_ROWS_NAMED], *([f"and {more} more"] if more > 0 else [])]
         raise InputError("\n".join(lines))
 
 
@@ -60,7 +60,7 @@ def prefix_errors(source: object) -> Iterator[None]:
 
 
 @contextmanager
-def needing(extra: str, *, what: str) -> Iterator[None]:
+def requires_extra(extra: str, *, what: str) -> Iterator[None]:
     """Imports within are of packages that only an extra of the library brings.
 
     Raises InputError saying what needs them and how they are installed.
@@ -73,7 +73,7 @@ def needing(extra: str, *, what: str) -> Iterator[None]:
         ) from None
 
 
-def retried_singly(
+def apply_with_bisection(
     work: Callable[[Any], Sequence[Result]], items: Any, *, failed: Callable[[Exception], Result]
 ) -> Sequence[Result]:
     """Apply ``work`` to all items; after an unexpected error to each half, and so on.
@@ -95,10 +95,10 @@ def retried_singly(
     return [
         result
         for items_half in halves
-        for result in retried_singly(work, items_half, failed=failed)
+        for result in apply_with_bisection(work, items_half, failed=failed)
     ]
 
 
-def unexpected(error: Exception) -> str:
+def unexpected_status(error: Exception) -> str:
     """The status of what ended in an error which no method foresees."""
     return " ".join(f"unexpected error: {type(error).__name__}: {error}".split())

@@ -18,14 +18,23 @@ from typing import TextIO
 from squeezefilm.errors import InputError
 
 PART_SUFFIX = ".part"
-SUBSTITUTE = "squeezefilm.substitute"
+SUBSTITUTE_HANDLER = "squeezefilm.substitute"
 """The name of ``substitute`` among the error handlers of streams."""
-SUBSTITUTES = {"µ": "u", "μ": "u", "±": "+/-", "×": "x", "·": "*", "→": "->", "≤": "<=", "≥": ">="}
-SUBSTITUTES |= dict.fromkeys("−–—", "-")
+ASCII_SUBSTITUTES = {
+    "µ": "u",
+    "μ": "u",
+    "±": "+/-",
+    "×": "x",
+    "·": "*",
+    "→": "->",
+    "≤": "<=",
+    "≥": ">=",
+}
+ASCII_SUBSTITUTES |= dict.fromkeys("−–—", "-")
 
 
 @contextlib.contextmanager
-def whole_file(path: Path | str) -> Iterator[Path]:
+def atomic_file(path: Path | str) -> Iterator[Path]:
     """A name beside the target to write to; renamed when all of it is on the disk.
 
     Raises InputError where the file cannot be written; what was there before stays as it was.
@@ -81,11 +90,11 @@ def write_text(text: str, path: Path | str) -> None:
 
     Raises InputError where the file cannot be written.
     """
-    with whole_file(path) as part:
+    with atomic_file(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
-def substitute(error: UnicodeError) -> tuple[str, int]:
+def substitute_unencodable(error: UnicodeError) -> tuple[str, int]:
     """Return ASCII in place of characters that a stream's encoding lacks, and their end."""
     assert isinstance(error, UnicodeEncodeError)
     characters = error.object[error.start : error.end]
@@ -96,21 +105,21 @@ def _in_ascii(character: str) -> str:
     import unicodedata
 
     name = unicodedata.name(character, "")
-    if character in SUBSTITUTES:
-        return SUBSTITUTES[character]
+    if character in ASCII_SUBSTITUTES:
+        return ASCII_SUBSTITUTES[character]
     if name.startswith("GREEK"):
         return name.split()[-1].lower()
     return unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode() or "?"
 
 
-codecs.register_error(SUBSTITUTE, substitute)
+codecs.register_error(SUBSTITUTE_HANDLER, substitute_unencodable)
 
 
-def let_substitute(*streams: TextIO) -> None:
+def enable_substitutes(*streams: TextIO) -> None:
     """Let streams print substitutes for characters that their encodings lack."""
     for stream in streams:
         if isinstance(stream, io.TextIOWrapper):  # a notebook's is none
-            stream.reconfigure(errors=SUBSTITUTE)
+            stream.reconfigure(errors=SUBSTITUTE_HANDLER)
 
 
 def digest(path: Path) -> str:
@@ -119,7 +128,7 @@ def digest(path: Path) -> str:
         return hashlib.file_digest(handle, "sha256").hexdigest()
 
 
-def remove_parts(folder: Path) -> None:
+def remove_partial_files(folder: Path) -> None:
     """Remove what killed jobs left; only right while no job writes in the folder."""
     for part in folder.rglob(f".*{PART_SUFFIX}"):
         part.unlink(missing_ok=True)

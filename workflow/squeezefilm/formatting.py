@@ -17,14 +17,14 @@ from squeezefilm.reynolds.terms import absent_terms, terms_of
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.units import rounded_up, split_unit, to_its_error, unit_of_column
+from squeezefilm.units import round_to_error, round_up_error, split_unit, unit_of_column
 
 LABEL_OF_QUANTITY = {
     split_unit(column.name)[0]: column.label for column in COLUMNS.values() if column.label
 }
 """Of columns without their unit, where the name itself is none."""
 DIMENSIONLESS_COLUMNS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
-FACTOR_COLUMNS_SHOWN = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
+SHOWN_FACTOR_COLUMNS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
 RESULT_COLUMNS = ("force_n", "h0_m", "hv_m")
 LAST_COLUMNS = ("device", "model", "validation", "absent_term_reasons", "notes", "note")
 FRACTION_COLUMNS = (
@@ -38,18 +38,24 @@ HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps"
     *("bearing_percent", "bearing_error_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
-NOT_AVAILABLE, EFFECT_ERROR = "not available", "_error_percent"
-EFFECTS = (
+NOT_AVAILABLE, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
+EFFECT_NAMES_SHOWN = (
     *("inertia", "thermal", "depth_averaged", "sheared_gas", "moving_profile", "ram_pressure"),
     *("slip", "flow_factor", "edge_loss"),
 )
 # Effects whose error is no numerical one.
-WITH_ERROR = ("depth_averaged", "sheared_gas", "moving_profile", "ram_pressure", "flow_factor")
+EFFECTS_WITH_ESTIMATE_ERROR = (
+    "depth_averaged",
+    "sheared_gas",
+    "moving_profile",
+    "ram_pressure",
+    "flow_factor",
+)
 SYMMETRY_OF_DOMAIN = {"whole": "none", "quarter": "x and y", "radius": "all around"}
-LEAST_MILLI, LEAST_PLAIN, LEAST_EFFECT_PERCENT = 1e-4, 1e-4, 0.05
+MIN_VALUE_IN_MILLI, MIN_VALUE_WITHOUT_EXPONENT, MIN_EFFECT_SHOWN_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]
-Lines = list[tuple[str, str]]
+LabelledLines = list[tuple[str, str]]
 
 
 def label_of(name: str) -> str:
@@ -68,14 +74,16 @@ def scene_row(scene: Scene) -> dict[str, Any]:
     absent = [term for term in absent_terms(terms_of(scene)) if term.assumption]
     exponent = scene.gas.polytropic_exponent
     thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
-    assumed = [thermal if each is Thermal.ABSENT else each.assumption for each in absent]
+    assumed = [thermal if each is Thermal.ABSENT_TERM else each.assumption for each in absent]
     equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
     position = {name: round(getattr(scene, name), 12) for name in CARTESIAN}
     numbers = {name: getattr(scene, name) for name in ("h0_m", "hv_m", *DIMENSIONLESS_COLUMNS)}
     return numbers | position | {"pad_shape": scene.pad.shape, "equation": equation}
 
 
-def plain(value: float, *, sign: str = "+", digits: int = 2, least: float = LEAST_PLAIN) -> str:
+def number_text(
+    value: float, *, sign: str = "+", digits: int = 2, least: float = MIN_VALUE_WITHOUT_EXPONENT
+) -> str:
     """Return some digits of a number, and all before the point; an exponent below the least."""
     shown = f"{value:{sign}.{digits - 1}e}"
     if not isfinite(value) or 0 < abs(value) < least:
@@ -87,7 +95,8 @@ def plain(value: float, *, sign: str = "+", digits: int = 2, least: float = LEAS
 def percent(*values: float, sign: str = "+", digits: int = 2) -> str:
     """Return per cent, or the ends of a range of them, as people write them."""
     return (
-        " to ".join(plain(number, sign=sign, digits=digits, least=1e-9) for number in values) + " %"
+        " to ".join(number_text(number, sign=sign, digits=digits, least=1e-9) for number in values)
+        + " %"
     )
 
 
@@ -98,16 +107,16 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
     if unit == "%" and error is None:
         return percent(value, sign="")
     if unit == "%" and error is not None and error >= abs(value):
-        return f"within ± {percent(rounded_up(abs(value) + error), sign='')}"
+        return f"within ± {percent(round_up_error(abs(value) + error), sign='')}"
     size = 1.0
     if unit in ("m", "s") and 0 < abs(value) < 1:
-        prefix, size = ("m", 1e3) if abs(value) >= LEAST_MILLI else ("µ", 1e6)
+        prefix, size = ("m", 1e3) if abs(value) >= MIN_VALUE_IN_MILLI else ("µ", 1e6)
         unit = prefix + unit
     if unit == "N/m" and abs(value) >= 1000:
         unit, size = "kN/m", 1e-3
     text = f"{size * value:.{max(digits, len(f'{abs(size * value):.0f}'))}g}"
     if error is not None:
-        text = " ± ".join(to_its_error(size * value, size * error))
+        text = " ± ".join(round_to_error(size * value, size * error))
     return f"{text} {unit}".strip()
 
 
@@ -116,15 +125,15 @@ def error_in_unit(error: float, *, value: float, unit: str) -> str:
     return value_text(value, unit, error=error).partition("± ")[2]
 
 
-def in_lines(row: Mapping[Any, Any]) -> str:
+def result_lines(row: Mapping[Any, Any]) -> str:
     """Return a row as lines: the result, its errors, other values, scene and solver, notes."""
     rest = {name: value for name, value in row.items() if name not in HIDDEN_COLUMNS}
-    effects, result = _effects(rest), _result(rest)
-    last = [*_scene(rest), *_solver(rest)]
+    effects, result = _take_effect_lines(rest), _take_result_lines(rest)
+    last = [*_take_scene_lines(rest), *_take_solver_lines(rest)]
     last += [(label_of(name), rest.pop(name, "")) for name in LAST_COLUMNS]
     errors = {error for name in rest for error in error_columns(name, rest)}
     others = [
-        (label_of(unit_of_column(name)[0]), _value_text(name, value, rest))
+        (label_of(unit_of_column(name)[0]), _row_value_text(name, value, rest))
         for name, value in rest.items()
         if name not in errors and value != "ok"
     ]
@@ -139,13 +148,15 @@ def in_lines(row: Mapping[Any, Any]) -> str:
     return "\n".join(f"{a:{wide}}  {text}" for a, (_, text) in zip(labels, lines, strict=True))
 
 
-def _value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
+def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     """Return a value of a row with its error, or the list of values that it holds."""
     if isinstance(value, list):
-        return [_value_text(name, each, row) for each in value]
+        return [_row_value_text(name, each, row) for each in value]
     if isinstance(value, Mapping):
         stems = {k: unit_of_column(k)[0] for k in value}
-        return ", ".join(f"{label_of(stems[k])} {_value_text(k, value[k], value)}" for k in stems)
+        return ", ".join(
+            f"{label_of(stems[k])} {_row_value_text(k, value[k], value)}" for k in stems
+        )
     stem, unit = unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
@@ -157,7 +168,7 @@ def _value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     return f"{text.partition('±')[0]}± {', measurement noise ± '.join(shown)}"
 
 
-def _result(row: Row) -> Lines:
+def _take_result_lines(row: Row) -> LabelledLines:
     """Take the result and its errors out of a row, as lines; or the reason for its absence."""
     name = next((each for each in RESULT_COLUMNS if error_columns(each, row)), "")
     value, status, (stem, unit) = row.pop(name, nan), row.pop("status", "ok"), unit_of_column(name)
@@ -168,10 +179,10 @@ def _result(row: Row) -> Lines:
         row.pop("tolerance" if name else "", None)
         return [(label_of(stem or "force"), NOT_AVAILABLE + why)] if name or why else []
 
-    def off(error: float, source: str) -> str:
+    def error_line(error: float, source: str) -> str:
         if not isfinite(error):
             return NOT_AVAILABLE
-        part = rounded_up(100 * abs(error / value)) if value else 0.0
+        part = round_up_error(100 * abs(error / value)) if value else 0.0
         percentage = f", {percent(part, sign='')}" if value else ""
         return f"± {error_in_unit(error, value=value, unit=unit)}{percentage}{source}"
 
@@ -183,19 +194,25 @@ def _result(row: Row) -> Lines:
     number, _, rest = value_text(value, unit, error=max(error, noise, misfit)).partition("±")
     return [
         (label_of(stem), f"{number}{rest.split()[-1]}"),
-        ("prediction error (95 %)" if "95" in column else "numerical error", off(error, tolerance)),
-        ("prediction error (99 %)", off(wider, "") * bool(wider)),
-        ("measurement noise", off(noise, " (95 %, from the scan)") * bool(noise)),
-        ("misfit", off(misfit, " (modes that the scan does not determine)") * (misfit > error)),
-        ("quadrature motion", off(bias, " (in the scan, neglected)") * (bias > error)),
+        (
+            "prediction error (95 %)" if "95" in column else "numerical error",
+            error_line(error, tolerance),
+        ),
+        ("prediction error (99 %)", error_line(wider, "") * bool(wider)),
+        ("measurement noise", error_line(noise, " (95 %, from the scan)") * bool(noise)),
+        (
+            "misfit",
+            error_line(misfit, " (modes that the scan does not determine)") * (misfit > error),
+        ),
+        ("quadrature motion", error_line(bias, " (in the scan, neglected)") * (bias > error)),
         ("note", why.removeprefix(": ")),
     ]
 
 
-def _scene(row: Row) -> Lines:
+def _take_scene_lines(row: Row) -> LabelledLines:
     """Take validity, operating point, dimensionless numbers and equation from a row."""
     validity = row.pop("validity", "")
-    point = {unit_of_column(name): row.pop(name) for name in FACTOR_COLUMNS_SHOWN if name in row}
+    point = {unit_of_column(name): row.pop(name) for name in SHOWN_FACTOR_COLUMNS if name in row}
     numbers = {name: row.pop(name, 0) for name in DIMENSIONLESS_COLUMNS}
     texts = [f"{name} = {value_text(each, unit, digits=6)}" for (name, unit), each in point.items()]
     named = [f"{label_of(name)} {value_text(each)}" for name, each in numbers.items() if each]
@@ -207,7 +224,7 @@ def _scene(row: Row) -> Lines:
     ]
 
 
-def _effects(row: Row) -> Lines:
+def _take_effect_lines(row: Row) -> LabelledLines:
     """Take the modelling error from a row: lines about all neglected effects, and each of them."""
     if "included_effects" not in row:
         return []
@@ -215,19 +232,21 @@ def _effects(row: Row) -> Lines:
     if "stiffness_n_per_m" in row:
         size, unit = 1e4 * row["load_n"] / abs(row["stiffness_n_per_m"]), "µm"
 
-    def change(*percents: float, sign: str = "+") -> str:
+    def change_text(*percents: float, sign: str = "+") -> str:
         scale = size if sign else abs(size)
-        ends = " to ".join(plain(scale * bound, sign=sign) for bound in percents)
+        ends = " to ".join(number_text(scale * bound, sign=sign) for bound in percents)
         return f"{ends} {unit}, " * isfinite(size) + percent(*percents, sign=sign)
 
     included, unknown = (row.pop(k).split("; ") for k in ("included_effects", "unknown_effects"))
     ends = [row.pop(f"modelling_error_{end}_percent") for end in ("lower", "upper")]
     edge, higher = row.pop("edge_loss_upper_percent"), row.pop("higher_orders_percent")
     status = row.pop("budget_status" if "budget_status" in row else "status")
-    names = [name for name in EFFECTS if f"{name}_percent" in row]
-    effects = {name: (row.pop(f"{name}_percent"), row.pop(name + EFFECT_ERROR)) for name in names}
+    names = [name for name in EFFECT_NAMES_SHOWN if f"{name}_percent" in row]
+    effects = {
+        name: (row.pop(f"{name}_percent"), row.pop(name + EFFECT_ERROR_SUFFIX)) for name in names
+    }
     neglected = {name: effects[name] for name in names if name not in included}
-    total = f"{change(*ends)} of the {'force' if unit == 'N' else 'load'}"
+    total = f"{change_text(*ends)} of the {'force' if unit == 'N' else 'load'}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE + f": {status}" * (status != "ok")
         if reason := " and ".join(label_of(name) for name in unknown if name):
@@ -236,16 +255,18 @@ def _effects(row: Row) -> Lines:
     if status != "ok":
         return lines
     for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
-        text = change(effect, *[edge] * (name == "edge_loss"))
-        if name in WITH_ERROR:
+        text = change_text(effect, *[edge] * (name == "edge_loss"))
+        if name in EFFECTS_WITH_ESTIMATE_ERROR:
             text += f" ± {percent(error, sign='', digits=1)}"
-        if not abs(effect) + error < LEAST_EFFECT_PERCENT:
+        if not abs(effect) + error < MIN_EFFECT_SHOWN_PERCENT:
             lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
-    together = change(higher) if isfinite(higher) and abs(higher) >= LEAST_EFFECT_PERCENT else ""
+    together = (
+        change_text(higher) if isfinite(higher) and abs(higher) >= MIN_EFFECT_SHOWN_PERCENT else ""
+    )
     return [*lines, ("  higher orders", together)]
 
 
-def _solver(row: Row) -> Lines:
+def _take_solver_lines(row: Row) -> LabelledLines:
     """Take from a row how its force was found, or would be."""
     sizes = [f"{size:.0f}" for name in ("nx", "ny", "nt") if (size := row.pop(name, 0))]
     flat, domain = row.pop("pad_shape", "rectangle") == "rectangle", row.pop("domain", "")

@@ -34,15 +34,23 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.units import BASE_UNITS, DIMENSIONLESS, NUMBER, UNITS, Dimension, compound, times
+from squeezefilm.units import (
+    BASE_UNITS,
+    DIMENSIONLESS,
+    NUMBER,
+    UNITS,
+    Dimension,
+    dimension_product,
+    parse_compound,
+)
 
 Array = NDArray[Any]
-Value = Callable[[Mapping[str, Any]], Any]
+ValueFunction = Callable[[Mapping[str, Any]], Any]
 Result = TypeVar("Result")
 
-MOST_CHARACTERS, MOST_NESTED = 4000, 150
-LARGEST_EXPONENT = 32.0
-LARGEST_NUMBER = 1e100
+MAX_FORMULA_CHARACTERS, MAX_NESTING_DEPTH = 4000, 150
+MAX_EXPONENT = 32.0
+MAX_CONSTANT = 1e100
 NAMED_CONSTANTS = {"pi": math.pi}
 EXAMPLE_OF_UNIT = {"m": "12 mm", "1/m": "380 1/m", "deg": "30 deg", "N": "1 mN"}
 """A constant by whose like a unit is taken away."""
@@ -58,7 +66,7 @@ class Operation:
     text: str
 
 
-class Quantity(float):
+class NumberWithUnit(float):
     """A number with a unit, in SI units or degrees; a constant of a formula."""
 
     dimension: Dimension
@@ -70,7 +78,7 @@ def constants_of(
     names: Iterable[str],
     source: str,
     angles_rad: bool = False,
-) -> dict[str, Quantity]:
+) -> dict[str, NumberWithUnit]:
     """The constants of a formula from numbers and texts such as ``12 mm``.
 
     Args:
@@ -89,11 +97,11 @@ def constants_of(
                 f"{where}: cannot be a constant's name; take letters, digits and _, and none of "
                 f"{', '.join(taken)}"
             )
-        unit = match and compound(str(value)[match.end() :] or "1")
+        unit = match and parse_compound(str(value)[match.end() :] or "1")
         if not (match and unit):
             raise InputError(f"{where}: {value!r} is no number with a unit, like 12 mm or 380 1/m")
         size = unit.size * math.radians(1) ** float(unit.dimension.get("deg", 0) * angles_rad)
-        constants[name] = Quantity(f"{float(match[1]) * size:.15g}")
+        constants[name] = NumberWithUnit(f"{float(match[1]) * size:.15g}")
         constants[name].dimension = unit.dimension
     return constants
 
@@ -102,7 +110,7 @@ Node = float | str | Operation
 """A number, the name of a quantity, or an operation on other parts."""
 
 
-def fold(
+def fold_formula(
     part: Node,
     leaf: Callable[[Any], Result],
     operation: Callable[[Operation, list[Result]], Result],
@@ -110,10 +118,10 @@ def fold(
     """Evaluate a formula from the values of its numbers and names and from its operations."""
     if not isinstance(part, Operation):
         return leaf(part)
-    return operation(part, [fold(argument, leaf, operation) for argument in part.arguments])
+    return operation(part, [fold_formula(argument, leaf, operation) for argument in part.arguments])
 
 
-def _at_zero(z: Any) -> Any:
+def _zero_and_varying(z: Any) -> Any:
     """Mask of values that are zero and change with the quantity that has the complex step."""
     return (np.imag(z) != 0) & (np.abs(np.real(z)) <= np.abs(np.imag(z)))
 
@@ -127,7 +135,7 @@ def _square_root(z: Any) -> Any:
 def _absolute(z: Any) -> Any:
     if not np.iscomplexobj(z):
         return np.abs(z)
-    return np.where(_at_zero(z), UNDEFINED_VALUE, np.sign(z.real) * z)
+    return np.where(_zero_and_varying(z), UNDEFINED_VALUE, np.sign(z.real) * z)
 
 
 def _sinc(z: Any) -> Any:
@@ -145,7 +153,7 @@ def _power(base: Any, exponent: Any) -> Any:
     if not (np.iscomplexobj(base) or np.iscomplexobj(exponent)):
         return np.power(base, exponent)
     zero = (base == 0) & (np.real(exponent) > 0)  # 0**v is 0 for every such v
-    vertical = _at_zero(base) & (np.real(exponent) < 1) & (exponent != 0)
+    vertical = _zero_and_varying(base) & (np.real(exponent) < 1) & (exponent != 0)
     undefined = vertical | ((np.real(base) < 0) & (np.imag(exponent) != 0))
     return np.where(zero, 0, np.where(undefined, UNDEFINED_VALUE, np.power(base + 0j, exponent)))
 
@@ -164,7 +172,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": _absolute,
     "sinc": _sinc,  # as MATLAB and the paper have it
 }
-_OPERATIONS: dict[str, Callable[..., Any]] = FUNCTIONS | {
+_FUNCTION_OF_OPERATOR: dict[str, Callable[..., Any]] = FUNCTIONS | {
     "+": np.add,
     "-": np.subtract,
     "*": np.multiply,
@@ -172,8 +180,8 @@ _OPERATIONS: dict[str, Callable[..., Any]] = FUNCTIONS | {
     "**": _power,
     "negative": np.negative,
 }
-_BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
-_HINTS: dict[type, str] = {
+_OPERATOR_OF_AST_NODE = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "**"}
+_HINT_OF_AST_NODE: dict[type, str] = {
     ast.BitXor: "a power is written **",
     ast.FloorDiv: "a quotient is written /",
 }
@@ -197,10 +205,10 @@ class Expression:
         return np.asarray(value) + 0.0  # whole numbers as floating-point ones
 
     @cached_property
-    def _value(self) -> Value:
-        return self.with_known({})
+    def _value(self) -> ValueFunction:
+        return self.with_known_values({})
 
-    def with_known(self, known: Mapping[str, Any]) -> Value:
+    def with_known_values(self, known: Mapping[str, Any]) -> ValueFunction:
         """The formula as nested functions of the values that are not known yet.
 
         A fit evaluates them many thousand times: what known values alone decide is computed once.
@@ -210,7 +218,7 @@ class Expression:
             return known.get(part, part if isinstance(part, float) else itemgetter(part))
 
         def evaluate_operation(part: Operation, arguments: list[Any]) -> Any:
-            operator = _OPERATIONS[part.operator]
+            operator = _FUNCTION_OF_OPERATOR[part.operator]
             if not any(map(callable, arguments)):
                 return operator(*arguments)
             ready = [each if callable(each) else lambda _, each=each: each for each in arguments]
@@ -220,17 +228,17 @@ class Expression:
             return lambda values: operator(first(values), last(values))
 
         with np.errstate(all="ignore"):
-            value = fold(self.root, leaf, evaluate_operation)
+            value = fold_formula(self.root, leaf, evaluate_operation)
         return value if callable(value) else lambda values: value
 
 
-def parse(
+def parse_formula(
     text: str,
     *,
     names: Iterable[str],
     source: str,
     known: str = "",
-    constants: Mapping[str, Quantity] = MappingProxyType({}),
+    constants: Mapping[str, NumberWithUnit] = MappingProxyType({}),
 ) -> Expression:
     """Read a formula of the named quantities and of constants.
 
@@ -243,10 +251,11 @@ def parse(
     if not text:
         raise InputError(f"{source}: the formula is empty")
     if "#" in text or "\\" in text:
-        raise InputError(f"{source}: {_shown(text)}: # and \\ have no meaning in a formula")
-    if len(text) > MOST_CHARACTERS:
+        raise InputError(f"{source}: {_quoted_part(text)}: # and \\ have no meaning in a formula")
+    if len(text) > MAX_FORMULA_CHARACTERS:
         raise InputError(
-            f"{source}: the formula has {len(text)} characters; at most {MOST_CHARACTERS} are "
+            f"{source}: the formula has {len(text)} characters; at most "
+            f"{MAX_FORMULA_CHARACTERS} are "
             "allowed"
         )
     try:
@@ -256,30 +265,30 @@ def parse(
     except SyntaxError as error:
         # Python's message, without its advice, which is about programs.
         what = (error.msg or "not a formula").split(".")[0].split(" Perhaps")[0]
-        raise InputError(f"{source}: {_shown(text)}: {what}") from None
+        raise InputError(f"{source}: {_quoted_part(text)}: {what}") from None
     except (ValueError, RecursionError, MemoryError):
-        raise InputError(f"{source}: {_shown(text)}: the formula cannot be read") from None
+        raise InputError(f"{source}: {_quoted_part(text)}: the formula cannot be read") from None
     names, used = tuple(names), dict[str, None]()
 
     def text_of(node: ast.expr) -> str:
         return ast.get_source_segment(text, node) or text
 
-    def refused(node: ast.expr, what: str) -> InputError:
+    def formula_error(node: ast.expr, what: str) -> InputError:
         before = text.encode()[: node.col_offset]  # Python counts bytes
         column = len(before.decode()) + 1
-        return InputError(f"{source}: column {column}, {_shown(text_of(node))}: {what}")
+        return InputError(f"{source}: column {column}, {_quoted_part(text_of(node))}: {what}")
 
-    def read(node: ast.expr, depth: int = 1) -> Node:
+    def parse_node(node: ast.expr, depth: int = 1) -> Node:
         """A formula's part of Python's tree; anything else is an error."""
-        if depth > MOST_NESTED:
-            raise refused(node, f"the formula is nested more than {MOST_NESTED} deep")
+        if depth > MAX_NESTING_DEPTH:
+            raise formula_error(node, f"the formula is nested more than {MAX_NESTING_DEPTH} deep")
         match node:
             case ast.Constant(int() | float() as value) if not isinstance(value, bool):
-                if not abs(value) <= LARGEST_NUMBER:
-                    raise refused(node, f"the number must lie within ±{LARGEST_NUMBER:g}")
+                if not abs(value) <= MAX_CONSTANT:
+                    raise formula_error(node, f"the number must lie within ±{MAX_CONSTANT:g}")
                 return float(value)
             case ast.Constant():
-                raise refused(node, "this is not a number")
+                raise formula_error(node, "this is not a number")
             case ast.Name(name) if name in names:
                 used[name] = None
                 return name
@@ -288,48 +297,48 @@ def parse(
             case ast.Name(name) if name in NAMED_CONSTANTS:
                 return NAMED_CONSTANTS[name]
             case ast.Name(name) if name in FUNCTIONS:
-                raise refused(node, f"a function needs its argument: {name}(…)")
+                raise formula_error(node, f"a function needs its argument: {name}(…)")
             case ast.Name(name):
                 listed = ", ".join([known or ", ".join((*names, *NAMED_CONSTANTS)), *constants])
-                raise refused(
+                raise formula_error(
                     node,
                     f"this name is unknown; known are {listed}. A number of your own is a "
                     f"constant beside the expression, as in constants: {{{name}: 12 mm}}",
                 )
             case ast.UnaryOp(ast.UAdd(), operand):
-                return read(operand, depth + 1)
+                return parse_node(operand, depth + 1)
             case ast.UnaryOp(ast.USub(), operand):
                 operator, operands = "negative", [operand]
-            case ast.BinOp(left, op, right) if type(op) in _BINARY:
-                operator, operands = _BINARY[type(op)], [left, right]
+            case ast.BinOp(left, op, right) if type(op) in _OPERATOR_OF_AST_NODE:
+                operator, operands = _OPERATOR_OF_AST_NODE[type(op)], [left, right]
             case ast.Call(ast.Name(operator), operands, keywords) if operator in FUNCTIONS:
                 if keywords or len(operands) != 1:
-                    raise refused(node, f"{operator} takes one argument")
+                    raise formula_error(node, f"{operator} takes one argument")
             case ast.Call(function):
                 allowed = ", ".join(FUNCTIONS)
-                raise refused(function, f"this is no known function; known are {allowed}")
+                raise formula_error(function, f"this is no known function; known are {allowed}")
             case _:
-                hint = _HINTS.get(type(getattr(node, "op", None)), "")
+                hint = _HINT_OF_AST_NODE.get(type(getattr(node, "op", None)), "")
                 allowed = hint or f"allowed are + - * / **, numbers and {', '.join(FUNCTIONS)}"
-                raise refused(node, f"this is no arithmetic; {allowed}")
-        arguments = [read(operand, depth + 1) for operand in operands]
+                raise formula_error(node, f"this is no arithmetic; {allowed}")
+        arguments = [parse_node(operand, depth + 1) for operand in operands]
         numbers = [np.float64(each) for each in arguments if type(each) is float]
         if len(numbers) == len(arguments):
             with np.errstate(all="ignore"):
-                value = float(_OPERATIONS[operator](*numbers))
-            if not abs(value) <= LARGEST_NUMBER:
-                raise refused(node, f"this is undefined or exceeds {LARGEST_NUMBER:g}")
+                value = float(_FUNCTION_OF_OPERATOR[operator](*numbers))
+            if not abs(value) <= MAX_CONSTANT:
+                raise formula_error(node, f"this is undefined or exceeds {MAX_CONSTANT:g}")
             return value
         exponent = arguments[-1]
-        if operator == "**" and isinstance(exponent, float) and abs(exponent) > LARGEST_EXPONENT:
-            what = f"the exponent must lie within ±{LARGEST_EXPONENT:g}, not {exponent:g}"
-            raise refused(node, what)
+        if operator == "**" and isinstance(exponent, float) and abs(exponent) > MAX_EXPONENT:
+            what = f"the exponent must lie within ±{MAX_EXPONENT:g}, not {exponent:g}"
+            raise formula_error(node, what)
         return Operation(operator, tuple(arguments), text=text_of(node))
 
-    return Expression(text, read(tree.body), tuple(used))
+    return Expression(text, parse_node(tree.body), tuple(used))
 
 
-def _shown(text: str) -> str:
+def _quoted_part(text: str) -> str:
     """A part of a formula as a message quotes it."""
     return repr(text if len(text) <= 60 else f"{text[:57]}…")
 
@@ -349,18 +358,20 @@ def parameter_units(
     }
     dimensions = {name: {name: Fraction(1)} for name in parameters} | dimensions
 
-    def reduced(dimension: Dimension) -> Dimension:
+    def insert_parameters(dimension: Dimension) -> Dimension:
         """Insert the parameters that are solved for."""
         while name := next((factor for factor in dimension if factor in solved), None):
             power = dimension[name]
-            dimension = times(times(dimension, {name: power}, -1), solved[name], power)
+            dimension = dimension_product(
+                dimension_product(dimension, {name: power}, -1), solved[name], power
+            )
         return dimension
 
-    def equate(a: Dimension, b: Dimension, otherwise: str) -> None:
-        rest = dict(reduced(times(a, b, -1)))
+    def equate_dimensions(a: Dimension, b: Dimension, otherwise: str) -> None:
+        rest = dict(insert_parameters(dimension_product(a, b, -1)))
         name = next((parameter for parameter in rest if parameter in parameters), None)
         if name:
-            solved[name] = times(DIMENSIONLESS, rest, -1 / rest.pop(name))
+            solved[name] = dimension_product(DIMENSIONLESS, rest, -1 / rest.pop(name))
         elif rest:
             raise InputError(f"{source}: {otherwise}")
 
@@ -368,51 +379,61 @@ def parameter_units(
         first, second = (*inner, DIMENSIONLESS)[:2]
         match part.operator:
             case "+" | "-":
-                a, b = (f"in {_text(d)}" if d else "without unit" for d in map(reduced, inner))
+                a, b = (
+                    f"in {_dimension_text(d)}" if d else "without unit"
+                    for d in map(insert_parameters, inner)
+                )
                 verb = "adds" if part.operator == "+" else "subtracts"
-                equate(first, second, f"{part.text!r} {verb} quantities {a} and {b}")
+                equate_dimensions(first, second, f"{part.text!r} {verb} quantities {a} and {b}")
                 return first
             case "*" | "/":
-                return times(first, second, 1 if part.operator == "*" else -1)
+                return dimension_product(first, second, 1 if part.operator == "*" else -1)
             case "negative" | "abs":
                 return first
             case "sqrt":
-                return times(DIMENSIONLESS, first, Fraction(1, 2))
+                return dimension_product(DIMENSIONLESS, first, Fraction(1, 2))
             case "**" if isinstance(exponent := part.arguments[1], float):
-                return times(DIMENSIONLESS, first, Fraction(exponent).limit_denominator(1000))
+                return dimension_product(
+                    DIMENSIONLESS, first, Fraction(exponent).limit_denominator(1000)
+                )
         for each in inner:
-            unit = _text(reduced(each))
+            unit = _dimension_text(insert_parameters(each))
             hint = "; the angle in radians is called `angle`" if unit == "deg" else ""
             if unit in EXAMPLE_OF_UNIT:
                 hint += (
                     f"; give a number its unit by `constants: {{name: {EXAMPLE_OF_UNIT[unit]}}}`"
                 )
-            equate(
+            equate_dimensions(
                 each, DIMENSIONLESS, f"{part.text!r} needs a number without unit, not {unit}{hint}"
             )
         return DIMENSIONLESS
 
     def leaf(part: Any) -> Dimension:
-        return part.dimension if isinstance(part, Quantity) else dimensions.get(part, DIMENSIONLESS)
+        return (
+            part.dimension
+            if isinstance(part, NumberWithUnit)
+            else dimensions.get(part, DIMENSIONLESS)
+        )
 
-    result = reduced(fold(expression.root, leaf, dimension_of))
+    result = insert_parameters(fold_formula(expression.root, leaf, dimension_of))
     if set(result) & set(parameters):
-        equate(result, force, "the result must be a force in N")
+        equate_dimensions(result, force, "the result must be a force in N")
     elif result not in (force, DIMENSIONLESS):
         raise InputError(
-            f"{source}: the result is in {_text(result)}; a force in N, or a number, is wanted"
+            f"{source}: the result is in {_dimension_text(result)}; a force in N, or a number, "
+            f"is wanted"
         )
     # What stays open is a parameter that cannot be told from another: any unit would do.
-    found = {name: reduced(dimensions[name]) for name in parameters}
+    found = {name: insert_parameters(dimensions[name]) for name in parameters}
     return {
-        name: _text({base: each[base] for base in each if base in BASE_UNITS})
+        name: _dimension_text({base: each[base] for base in each if base in BASE_UNITS})
         for name, each in found.items()
     }
 
 
 def _coherent_dimension(text: str, *, source: str) -> Dimension:
     """The dimension of a unit in which formulas are evaluated: SI, or degrees."""
-    unit = compound(text)
+    unit = parse_compound(text)
     if unit is None or unit.size != 1:
         raise InputError(
             f"{source}, unit: {text!r} is no unit of N, m, s, deg, Pa, Hz and kg; write it like "
@@ -421,16 +442,16 @@ def _coherent_dimension(text: str, *, source: str) -> Dimension:
     return unit.dimension
 
 
-def _text(dimension: Dimension) -> str:
+def _dimension_text(dimension: Dimension) -> str:
     """A dimension as a unit: N/m**2, 1/deg, 1; a parameter's that is not known yet in brackets."""
 
-    def power(base: str, exponent: Fraction) -> str:
+    def power_text(base: str, exponent: Fraction) -> str:
         name = base if base in BASE_UNITS else f"[{base}]"
         if exponent == 1:
             return name
         return f"{name}**{exponent if exponent.denominator == 1 else f'({exponent})'}"
 
     order = sorted(dimension, key=[*BASE_UNITS, *dimension].index)
-    above = [power(base, dimension[base]) for base in order if dimension[base] > 0]
-    below = [power(base, -dimension[base]) for base in order if dimension[base] < 0]
+    above = [power_text(base, dimension[base]) for base in order if dimension[base] > 0]
+    below = [power_text(base, -dimension[base]) for base in order if dimension[base] < 0]
     return "/".join(["*".join(above) or "1", *below])

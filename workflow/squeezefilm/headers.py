@@ -8,7 +8,7 @@ import re
 import unicodedata
 from collections.abc import Collection, Iterator
 
-UNIT_NAMES = {
+UNIT_OF_NAME = {
     name: unit
     for unit, names in {
         "deg": "degree degrees grad degre degres grados gradi graus graden 度 °",
@@ -21,24 +21,27 @@ UNIT_NAMES = {
     for name in names.split()
 }
 """Other names of units, without accents."""
-PER_SECOND = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
+PER_SECOND_PATTERN = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
 ORIGIN_MICRO = r"\g(m)"
-BREAK, BETWEEN_WORDS = re.compile(r"[\s_/,.\[(]+"), re.compile(r"[\s,_\-.:()\[\]/]+")
+UNIT_START_PATTERN, WORD_SEPARATOR_PATTERN = (
+    re.compile(r"[\s_/,.\[(]+"),
+    re.compile(r"[\s,_\-.:()\[\]/]+"),
+)
 
 
-def folded(text: str) -> str:
+def fold_accents(text: str) -> str:
     """A text in small letters without accents, quotes and blanks around it."""
     letters = unicodedata.normalize("NFKD", text.strip("\"' \t").casefold())
     return "".join(each for each in letters if not unicodedata.combining(each))
 
 
-def unit_in(text: str) -> str:
+def normalised_unit(text: str) -> str:
     """A unit with its brackets taken off, in one spelling: ``(Degrees)`` is ``deg``."""
-    unit = folded(text).replace(ORIGIN_MICRO, "u").strip(" []()")
+    unit = fold_accents(text).replace(ORIGIN_MICRO, "u").strip(" []()")
     unit = re.sub("[_ ](?:per|pro|par|por)[_ ]", "/", unit)
-    unit = PER_SECOND.sub(lambda end: "/s²" if "2" in end.groups() else "/s", unit)
-    return UNIT_NAMES.get(unit, unit)
+    unit = PER_SECOND_PATTERN.sub(lambda end: "/s²" if "2" in end.groups() else "/s", unit)
+    return UNIT_OF_NAME.get(unit, unit)
 
 
 def words_and_unit(cell: str, units: Collection[str]) -> Iterator[tuple[list[str], str]]:
@@ -47,13 +50,16 @@ def words_and_unit(cell: str, units: Collection[str]) -> Iterator[tuple[list[str
     First come known units, then none, then what is in brackets, or the last word, as a unit that is
     not known.
     """
-    name = folded(cell.partition("@")[0]).rstrip(" _.")
-    ends = [(name[: at.start()], unit_in(name[at.end() :])) for at in BREAK.finditer(name)]
+    name = fold_accents(cell.partition("@")[0]).rstrip(" _.")
+    ends = [
+        (name[: at.start()], normalised_unit(name[at.end() :]))
+        for at in UNIT_START_PATTERN.finditer(name)
+    ]
     # Decibels are known, to be named in a message: the file does not tell what 0 dB is.
     known = [end for end in ends if end[1] in units or end[1].startswith("db")]
     bracket = [
-        (name[: at.start()], unit_in(name[at.end() :]))
+        (name[: at.start()], normalised_unit(name[at.end() :]))
         for at in re.finditer(r"\s*[\[(](?=[^\[(]*[\])]$)", name)
     ]
     for words, unit in (*known, (name, ""), *bracket, *ends[-1:]):
-        yield [word for word in BETWEEN_WORDS.split(words) if word], unit
+        yield [word for word in WORD_SEPARATOR_PATTERN.split(words) if word], unit

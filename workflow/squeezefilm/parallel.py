@@ -16,11 +16,11 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 # What forked processes inherit, so that a task need not survive being sent to them.
-_task: Callable[[Any], Any] | None = None
+_inherited_task: Callable[[Any], Any] | None = None
 _PR_SET_PDEATHSIG = 1
 # Time without a line of progress, in s.
 PROGRESS_INTERVAL_S = 10.0
-_under_way: list["Progress"] = []
+_progress_stack: list["Progress"] = []
 
 
 def parallel_map(
@@ -32,7 +32,7 @@ def parallel_map(
     (anything but Linux, or a thread), one process does it all. Items and results must be picklable.
     Raises RunError when one of the processes was killed, for instance for want of memory.
     """
-    global _task
+    global _inherited_task
     items = list(items)
     main = threading.current_thread() is threading.main_thread()
     if processes == 1 or len(items) == 1 or sys.platform != "linux" or not main:
@@ -41,24 +41,24 @@ def parallel_map(
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
 
-    _task = task
+    _inherited_task = task
     interrupted = False
 
-    def stop(_signal: int, _frame: object) -> None:
+    def stop_children(_signal: int, _frame: object) -> None:
         # An exception out of the middle of forking may be lost; a pool that breaks is not.
         nonlocal interrupted
         interrupted = True
         for process in multiprocessing.active_children():
             process.kill()
 
-    before = signal.signal(signal.SIGINT, stop)
+    before = signal.signal(signal.SIGINT, stop_children)
     context = multiprocessing.get_context("fork")
     try:
         with ProcessPoolExecutor(min(processes, len(items)), context, _end_with_parent) as pool:
             # Not `map`, which cancels what a broken pool has not ended yet, at the same time as it.
-            futures = [pool.submit(_run, item) for item in items]
+            futures = [pool.submit(_run_inherited_task, item) for item in items]
             if interrupted:  # before all of them were there
-                stop(0, None)
+                stop_children(0, None)
             results = [future.result() for future in futures]
     except BrokenProcessPool:
         if not interrupted:
@@ -75,9 +75,9 @@ def _end_with_parent() -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
-def _run(item: Any) -> Any:
-    assert _task is not None
-    return _task(item)
+def _run_inherited_task(item: Any) -> Any:
+    assert _inherited_task is not None
+    return _inherited_task(item)
 
 
 @dataclass
@@ -99,14 +99,14 @@ class Progress:
 
 
 @contextmanager
-def progress_of(total: int, *, unit: str, name: str) -> Iterator[Progress]:
+def report_progress(total: int, *, unit: str, name: str) -> Iterator[Progress]:
     """Work that ``showing_progress`` shows, within that which is under way."""
     progress = Progress(name, unit, total)
-    _under_way.append(progress)
+    _progress_stack.append(progress)
     try:
         yield progress
     finally:
-        _under_way.remove(progress)
+        _progress_stack.remove(progress)
 
 
 @contextmanager
@@ -121,14 +121,14 @@ def showing_progress(command: str, *, to: TextIO | None = None) -> Iterator[None
     ended, start, stream = threading.Event(), time.monotonic(), to or sys.stderr
     before, after = ("\r\033[K", "") if stream.isatty() else ("", "\n")
 
-    def show() -> None:
+    def print_progress() -> None:
         while not ended.wait(PROGRESS_INTERVAL_S):
-            parts = [f"{command}: {time.monotonic() - start:.0f} s", *map(str, _under_way)]
+            parts = [f"{command}: {time.monotonic() - start:.0f} s", *map(str, _progress_stack)]
             print(before + "; ".join(parts), end=after, file=stream, flush=True)
         if before and time.monotonic() - start > PROGRESS_INTERVAL_S:
             print(before, end="", file=stream, flush=True)
 
-    thread = threading.Thread(target=show, daemon=True)
+    thread = threading.Thread(target=print_progress, daemon=True)
     thread.start()
     try:
         yield

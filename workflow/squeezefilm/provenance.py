@@ -13,29 +13,29 @@ from typing import Any
 
 from squeezefilm import __version__
 
-WORKFLOW = Path(__file__).resolve().parents[1]
-PACKAGES = (
+WORKFLOW_DIR = Path(__file__).resolve().parents[1]
+RECORDED_PACKAGES = (
     *("snakemake", "numpy", "scipy", "pandas", "matplotlib", "pyopencl"),
     *("pocl-binary-distribution", "pyarrow", "scikit-fem"),
 )
 
 
-def _library(*without: str) -> list[str]:
+def _library_sources(*without: str) -> list[str]:
     """The library's folders and modules but those that are named, and this one."""
     there = sorted(
-        path.name for path in WORKFLOW.glob("squeezefilm/[a-z]*") if path.suffix != ".csv"
+        path.name for path in WORKFLOW_DIR.glob("squeezefilm/[a-z]*") if path.suffix != ".csv"
     )
     return [f"squeezefilm/{name}" for name in there if name not in ("provenance.py", *without)]
 
 
-MODELS = _library("cli")
-SOLVER = [*_library("cli", "designs", "models"), "squeezefilm/designs/space.py"]
-SOURCES = {
-    "solver": SOLVER,
-    "models": MODELS,
-    "verification": [*MODELS, "squeezefilm_workflow/verification"],
+MODEL_SOURCES = _library_sources("cli")
+SOLVER_SOURCES = [*_library_sources("cli", "designs", "models"), "squeezefilm/designs/space.py"]
+SOURCES_OF_STAGE = {
+    "solver": SOLVER_SOURCES,
+    "models": MODEL_SOURCES,
+    "verification": [*MODEL_SOURCES, "squeezefilm_workflow/verification"],
     "figures": [
-        *MODELS,
+        *MODEL_SOURCES,
         "squeezefilm/columns.csv",
         "squeezefilm_workflow/paper",
         "squeezefilm_workflow/reporting",
@@ -49,27 +49,27 @@ def code_digest(stage: str) -> str:
 
     Raises FileNotFoundError where a source is not there.
     """
-    together = " ".join(map(_source_digest, SOURCES[stage]))
+    together = " ".join(map(_source_digest, SOURCES_OF_STAGE[stage]))
     return hashlib.sha256(together.encode()).hexdigest()[:16]
 
 
 @cache
 def _source_digest(source: str) -> str:
     together = hashlib.sha256(source.encode())
-    for path in sorted((WORKFLOW / source).rglob("*.*")) or [WORKFLOW / source]:
+    for path in sorted((WORKFLOW_DIR / source).rglob("*.*")) or [WORKFLOW_DIR / source]:
         if path.suffix != ".pyc":
-            together.update(str(path.relative_to(WORKFLOW)).encode() + path.read_bytes())
+            together.update(str(path.relative_to(WORKFLOW_DIR)).encode() + path.read_bytes())
     return together.hexdigest()
 
 
-def versions() -> dict[str, str]:
+def package_versions() -> dict[str, str]:
     """Versions of the system and of the packages that results depend on."""
     version_of = {
         "squeezefilm": __version__,
         "python": f"{platform.python_version()} ({sys.executable})",
         "system": platform.platform(),
     }
-    for name in PACKAGES:
+    for name in RECORDED_PACKAGES:
         try:
             version_of[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
@@ -79,23 +79,23 @@ def versions() -> dict[str, str]:
 
 def provenance(configuration: Mapping[str, Any], *, device: Mapping[str, Any]) -> dict[str, Any]:
     """The facts, for ``results/STUDY/provenance.json``; without git no commit is known."""
-    changed = _git("status", "--porcelain", "--", ".", ":!results")
+    changed = _git_output("status", "--porcelain", "--", ".", ":!results")
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
-        "commit": _git("rev-parse", "HEAD"),
+        "commit": _git_output("rev-parse", "HEAD"),
         "changed_since_commit": None if changed is None else changed.splitlines(),
-        "code_digests": {stage: code_digest(stage) for stage in SOURCES},
-        "packages": versions(),
+        "code_digests": {stage: code_digest(stage) for stage in SOURCES_OF_STAGE},
+        "packages": package_versions(),
         "device": dict(device),
         "configuration": dict(configuration),
     }
 
 
-def _git(*arguments: str) -> str | None:
-    if not (WORKFLOW / "Snakefile").is_file():
+def _git_output(*arguments: str) -> str | None:
+    if not (WORKFLOW_DIR / "Snakefile").is_file():
         return None  # installed: a repository around it is another one
     try:
-        words = ["git", "-C", str(WORKFLOW.parent), *arguments]
+        words = ["git", "-C", str(WORKFLOW_DIR.parent), *arguments]
         return subprocess.run(
             words, capture_output=True, text=True, errors="replace", check=True
         ).stdout.rstrip()

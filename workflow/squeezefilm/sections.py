@@ -37,7 +37,7 @@ def key_of(name: str) -> str:
     return split_unit(name)[0]
 
 
-def error_at(
+def error_at_key(
     text: str, *key_path: str, kind: Literal["relation", "missing"] = "relation"
 ) -> PydanticCustomError:
     """An error at a key further inside than where the validator is that raises it."""
@@ -45,7 +45,7 @@ def error_at(
 
 
 @dataclass(frozen=True)
-class Number:
+class BoundedNumber:
     """A number within limits, in SI units or as a text with its unit.
 
     Attributes:
@@ -75,17 +75,17 @@ class Number:
         return value if number is None else number
 
 
-def _unique(values: Items) -> Items:
+def _require_unique(values: Items) -> Items:
     if len(set(values)) < len(list(values)):
-        raise error_at("a value stands twice")
+        raise error_at_key("a value stands twice")
     return values
 
 
-Length = Annotated[float, Number("m", 1e-6, 10)]
-Rise = Annotated[float, Number("m", -1e-3, 1e-3)]
-Direction = Annotated[float, Number("°", -360, 360)]
+Length = Annotated[float, BoundedNumber("m", 1e-6, 10)]
+Rise = Annotated[float, BoundedNumber("m", -1e-3, 1e-3)]
+Direction = Annotated[float, BoundedNumber("°", -360, 360)]
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
-UniqueItems = AfterValidator(_unique)
+UniqueItems = AfterValidator(_require_unique)
 DERIVED: Any = Field(default=None)
 """Of an optional key: ``default:`` in the docstring says what follows from others."""
 NOT_GIVEN: Any = None
@@ -93,7 +93,7 @@ NOT_GIVEN: Any = None
 TermSetting = Literal["none", "included", "auto"]
 
 
-def add_meanings(schema: dict[str, Any], section: type) -> None:
+def add_key_meanings(schema: dict[str, Any], section: type) -> None:
     """Put what a docstring says of keys to these, in a section's JSON schema, in their order.
 
     The ``kind`` tells profiles apart, and is to be written.
@@ -113,7 +113,7 @@ def add_meanings(schema: dict[str, Any], section: type) -> None:
 
 
 SECTION_KEYS = ConfigDict(
-    extra="forbid", alias_generator=key_of, defer_build=True, json_schema_extra=add_meanings
+    extra="forbid", alias_generator=key_of, defer_build=True, json_schema_extra=add_key_meanings
 )
 
 

@@ -60,7 +60,7 @@ class Solution:
     outputs: Outputs | None = field(default=None, metadata={"column": False})
 
     @property
-    def asked_columns(self) -> dict[str, float | str]:
+    def requested_columns(self) -> dict[str, float | str]:
         """A row of what was asked for beside the force."""
         asked = (self.derivatives, self.outputs)
         return {
@@ -143,7 +143,7 @@ class Solutions(Sequence[Solution]):
     def to_frame(self, index: pd.Index | None = None) -> pd.DataFrame:
         """The columns of a table of forces, a row for each scene, and of what was asked for."""
         forces = pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS}, index=index)
-        asked = pd.DataFrame([each.asked_columns for each in self], index=forces.index)
+        asked = pd.DataFrame([each.requested_columns for each in self], index=forces.index)
         return pd.concat([forces, asked], axis=1)
 
 
@@ -155,9 +155,9 @@ SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )
 
-ASKED_COLUMNS = [column for column in COLUMNS.values() if column.of]
+REQUESTED_COLUMNS = [column for column in COLUMNS.values() if column.of]
 DERIVATIVES = {
-    column.of: column.name for column in ASKED_COLUMNS if column.name.startswith("dforce_d")
+    column.of: column.name for column in REQUESTED_COLUMNS if column.name.startswith("dforce_d")
 }
 """Numbers that the force may be differentiated to, and the columns of the derivatives."""
 
@@ -192,12 +192,12 @@ class Derivatives:
 # What may be asked for beside the mean force: the numbers of each output and their columns.
 # docs/outputs.md has their signs and formulas.
 OUTPUTS: dict[str, dict[str, str]] = {}
-for column in ASKED_COLUMNS:
+for column in REQUESTED_COLUMNS:
     if column.of not in DERIVATIVES:
         OUTPUTS.setdefault(column.of, {})[split_unit(column.name)[0]] = column.name
 
 
-def checked_outputs(names: Iterable[str]) -> tuple[str, ...]:
+def validated_output_names(names: Iterable[str]) -> tuple[str, ...]:
     """The names of outputs in the order of OUTPUTS; ``all`` of them.
 
     Raises InputError for another name, with those that there are.
@@ -213,13 +213,13 @@ class Outputs:
     """A scene's quantities beside the mean force.
 
     Attributes:
-        asked: the outputs that were asked for, of OUTPUTS.
+        requested_names: the outputs that were asked for, of OUTPUTS.
         value: by the names in OUTPUTS, in the units there; one that is not there is not known.
         error: estimate of its absolute error, for each value.
         missing: why an output is not there, or a part of it; by output.
     """
 
-    asked: tuple[str, ...] = ()
+    requested_names: tuple[str, ...] = ()
     value: Mapping[str, float] = field(default_factory=dict)
     error: Mapping[str, float] = field(default_factory=dict)
     missing: Mapping[str, str] = field(default_factory=dict)
@@ -239,7 +239,7 @@ class Outputs:
         """Return what was asked for of numbers with errors, and of reasons for missing ones."""
         names = [name for output in asked for name in OUTPUTS[output] if name in values]
         return cls(
-            asked=asked,
+            requested_names=asked,
             value={name: values[name][0] for name in names},
             error={name: values[name][1] for name in names},
             missing={name: why for name, why in missing.items() if name in asked},
@@ -248,7 +248,7 @@ class Outputs:
     def columns(self) -> dict[str, float | str]:
         """A row of a table of forces: ``NAME_UNIT``, ``NAME_error_UNIT``, ``outputs_status``."""
         row: dict[str, float | str] = {}
-        for output in self.asked:
+        for output in self.requested_names:
             for quantity, name in OUTPUTS[output].items():
                 row[name] = self.value.get(quantity, nan)
                 row[error_column(name)] = self.error.get(quantity, nan)

@@ -17,18 +17,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from squeezefilm.columns import TEXT_COLUMNS, unregistered
+from squeezefilm.columns import TEXT_COLUMNS, unregistered_columns
 from squeezefilm.errors import (
-    MOST_NAMED,
+    MAX_ROWS_NAMED,
     InputError,
     RunError,
-    needing,
     prefix_errors,
     reject_rows,
+    requires_extra,
 )
-from squeezefilm.files import read_text, whole_file, write_text
-from squeezefilm.film.positions import CARTESIAN, POLAR, columns_as_in, with_position
-from squeezefilm.headers import folded, words_and_unit
+from squeezefilm.files import atomic_file, read_text, write_text
+from squeezefilm.film.positions import CARTESIAN, POLAR, columns_in_form, with_both_coordinates
+from squeezefilm.headers import fold_accents, words_and_unit
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import unit_sizes
@@ -42,21 +42,26 @@ LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_erro
 ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
 """What a reader of a refinement's rounds may count on; the table has more."""
 ERROR_MAP_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
-UNCERTAINTY_COLUMNS = ("force_uncertainty_n", "h0_uncertainty_m", "hv_uncertainty_m")
+MEASUREMENT_UNCERTAINTY_COLUMNS = ("force_uncertainty_n", "h0_uncertainty_m", "hv_uncertainty_m")
 # What a table of measured forces has, for messages.
 MEASURED_COLUMNS_TEXT = (
     "h0 [µm], hv [µm], force [mN] and force uncertainty [mN], each with its unit; and, where they "
     "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
 )
-POSITION_FORMS = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
-PARQUET, SEPARATORS = ".parquet", ",;\t"
-OTHER_FORMATS = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
+POSITION_FORMS_TEXT = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
+PARQUET_SUFFIX, CSV_SEPARATORS = ".parquet", ",;\t"
+UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
-OPTIONAL_COLUMNS = {*SOLUTION_COLUMNS} - {"force_n", "force_error_n", "status", "absent_terms"}
+OPTIONAL_FORCE_COLUMNS = {*SOLUTION_COLUMNS} - {
+    "force_n",
+    "force_error_n",
+    "status",
+    "absent_terms",
+}
 """Columns of forces that a table may lack."""
-_WORDS_OF = {
+_WORDS_OF_COLUMN = {
     "h0_m": ("h0", "gap"),
     "hv_m": ("hv", "amplitude", "disp ampl"),
     "x_m": ("x", "x position"),
@@ -65,15 +70,15 @@ _WORDS_OF = {
     "phi_deg": ("phi",),
     "force_n": ("force", "f"),
 }
-COLUMN_OF_WORDS = {words: name for name, several in _WORDS_OF.items() for words in several}
+COLUMN_OF_WORDS = {words: name for name, several in _WORDS_OF_COLUMN.items() for words in several}
 """What people call columns, each also with the word uncertainty, and units beside it."""
-UNIT_SIZES = {
-    unit.lower(): {folded(name): size for name, size in unit_sizes(unit).items()}
+SIZES_OF_UNIT_NAMES = {
+    unit.lower(): {fold_accents(name): size for name, size in unit_sizes(unit).items()}
     for unit in ("m", "deg", "N")
 }
-UNITS = {name for units in UNIT_SIZES.values() for name in units}
+KNOWN_UNIT_NAMES = {name for units in SIZES_OF_UNIT_NAMES.values() for name in units}
 
-OtherColumns = Literal["invalid", "unknown are invalid", "ignored", "kept"]
+OtherColumnsPolicy = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
 columns.csv does not have."""
 
@@ -95,7 +100,7 @@ def read_scenes(path: Path | str, *, chunk: tuple[int, int] = (1, 1)) -> pd.Data
     Raises InputError naming the file, the row or the column that is wrong.
     """
     how: dict[str, Any] = {"others": "unknown are invalid", "chunk": chunk}
-    return _read(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
+    return _read_table(path, columns=SCENE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
 
 
 def read_design(path: Path | str) -> pd.DataFrame:
@@ -104,7 +109,7 @@ def read_design(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the file, the row or the column that is wrong.
     """
     how: dict[str, Any] = {"numbers": FACTOR_COLUMNS, "others": "unknown are invalid"}
-    return _read(path, columns=DESIGN_COLUMNS, **how)
+    return _read_table(path, columns=DESIGN_COLUMNS, **how)
 
 
 def read_measurements(path: Path | str) -> pd.DataFrame:
@@ -115,10 +120,13 @@ def read_measurements(path: Path | str) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong, and what is allowed.
     """
-    numbers = (*FACTOR_COLUMNS, "force_n", *UNCERTAINTY_COLUMNS)
-    how: dict[str, Any] = {"optional": UNCERTAINTY_COLUMNS[1:], "required": MEASURED_COLUMNS_TEXT}
-    table = _read(path, columns=("point_id", *numbers), numbers=numbers, **how)
-    return table.assign(**{name: table.get(name, 0.0) for name in UNCERTAINTY_COLUMNS})
+    numbers = (*FACTOR_COLUMNS, "force_n", *MEASUREMENT_UNCERTAINTY_COLUMNS)
+    how: dict[str, Any] = {
+        "optional": MEASUREMENT_UNCERTAINTY_COLUMNS[1:],
+        "required": MEASURED_COLUMNS_TEXT,
+    }
+    table = _read_table(path, columns=("point_id", *numbers), numbers=numbers, **how)
+    return table.assign(**{name: table.get(name, 0.0) for name in MEASUREMENT_UNCERTAINTY_COLUMNS})
 
 
 def read_timings(path: Path | str) -> pd.DataFrame:
@@ -126,7 +134,7 @@ def read_timings(path: Path | str) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    return _read(path, columns=TIMING_COLUMNS, numbers=("solve_s",))
+    return _read_table(path, columns=TIMING_COLUMNS, numbers=("solve_s",))
 
 
 def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
@@ -137,8 +145,11 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
 
     Raises InputError naming the file, the row or the column that is wrong.
     """
-    how: dict[str, Any] = {"optional": OPTIONAL_COLUMNS, "others": "kept" if whole else "ignored"}
-    table = _read(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
+    how: dict[str, Any] = {
+        "optional": OPTIONAL_FORCE_COLUMNS,
+        "others": "kept" if whole else "ignored",
+    }
+    table = _read_table(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
     for name in map(str, table):
         if name in ("force_n", "force_error_n") or name not in {*FORCE_COLUMNS, *TEXT_COLUMNS}:
             table[name] = pd.to_numeric(table[name], errors="coerce").astype(float)
@@ -155,12 +166,12 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the points that were not solved.
     """
     table = read_forces(path)
-    if failures := failures_in(table):
+    if failures := failed_points(table):
         raise InputError(no_force_message(failures, path))
     return table
 
 
-def failures_in(forces: pd.DataFrame) -> list[str]:
+def failed_points(forces: pd.DataFrame) -> list[str]:
     """The points of a table without a force, each with its reason."""
     failed = forces[forces["status"] != "ok"]
     return [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
@@ -168,18 +179,18 @@ def failures_in(forces: pd.DataFrame) -> list[str]:
 
 def no_force_message(failures: Sequence[str], scenes: Path | str) -> str:
     """The message for points without a force."""
-    beyond = len(failures) - MOST_NAMED
+    beyond = len(failures) - MAX_ROWS_NAMED
     more = f" and {beyond} more" if beyond > 0 else ""
-    return f"{scenes}: no force for {'; '.join(failures[:MOST_NAMED])}{more}"
+    return f"{scenes}: no force for {'; '.join(failures[:MAX_ROWS_NAMED])}{more}"
 
 
-def _read(
+def _read_table(
     path: Path | str,
     *,
     columns: Sequence[str],
     numbers: Sequence[str],
     optional: Collection[str] = (),
-    others: OtherColumns = "invalid",
+    others: OtherColumnsPolicy = "invalid",
     required: str = "",
     chunk: tuple[int, int] = (1, 1),
 ) -> pd.DataFrame:
@@ -194,21 +205,23 @@ def _read(
     """
     path, optional = Path(path), (*optional, "point_id", *POLAR, *CARTESIAN)
     how: dict[str, Any] = {"optional": optional, "others": others, "chunk": chunk}
-    table, lines = _rows(
+    table, lines = _read_rows(
         path, columns, required=required or _columns_text(columns, optional), **how
     )
-    word = "row" if path.suffix == PARQUET else "line"
+    word = "row" if path.suffix == PARQUET_SUFFIX else "line"
     source, statuses = f"{path}: {word}", table.get("status")
-    wanted = [name for name in columns_as_in(columns, table) if name in table]
+    wanted = [name for name in columns_in_form(columns, table) if name in table]
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
     problems: list[tuple[int, str]] = []
-    for name in [each for each in columns_as_in(numbers, wanted) if each in wanted]:
-        cells, values = table[name].tolist(), table[name].map(number_in).to_numpy(dtype=float)
+    for name in [each for each in columns_in_form(numbers, wanted) if each in wanted]:
+        cells, values = table[name].tolist(), table[name].map(number_of_cell).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             problem = f"{name} is {cells[row]!r}, not a finite number"
             why = "" if statuses is None else f"; its status is {statuses.iloc[row]!r}"
             problems.append((row, problem + why))
-        for row in np.flatnonzero((values <= 0) & (name in UNCERTAINTY_COLUMNS)).tolist():
+        for row in np.flatnonzero(
+            (values <= 0) & (name in MEASUREMENT_UNCERTAINTY_COLUMNS)
+        ).tolist():
             problems.append((row, f"{name} is {values[row]:g}; it must be above 0"))
         table[name] = values
     if "point_id" not in table:
@@ -222,16 +235,16 @@ def _read(
         problems.append((row, f"point_id {name!r} stands in {word} {first[name]} already"))
     reject_rows([f"{source} {lines[row]}: {problem}" for row, problem in sorted(problems)])
     if POLAR[0] in columns:
-        table = with_position(table)
-    return table if path.suffix == PARQUET else table.iloc[chunk_rows(*chunk, len(table))]
+        table = with_both_coordinates(table)
+    return table if path.suffix == PARQUET_SUFFIX else table.iloc[chunk_rows(*chunk, len(table))]
 
 
-def _rows(
+def _read_rows(
     path: Path,
     columns: Sequence[str],
     *,
     optional: Collection[str],
-    others: OtherColumns,
+    others: OtherColumnsPolicy,
     required: str,
     chunk: tuple[int, int] = (1, 1),
 ) -> tuple[pd.DataFrame, list[int]]:
@@ -239,26 +252,26 @@ def _rows(
 
     Columns that a header names in words or with another unit are brought to their own; others stay.
     """
-    if path.suffix == PARQUET:
-        table, lines = _parquet_rows(path, chunk=chunk)
+    if path.suffix == PARQUET_SUFFIX:
+        table, lines = _read_parquet_rows(path, chunk=chunk)
     else:
-        table, lines = _csv_rows(path, columns=columns, required=required)
+        table, lines = _read_csv_rows(path, columns=columns, required=required)
     header = list(map(str, table))
     with prefix_errors(path):
-        asked = columns_as_in(columns, header)
-        optional = [*optional, *columns_as_in(optional, header)]
+        asked = columns_in_form(columns, header)
+        optional = [*optional, *columns_in_form(optional, header)]
         _check_header(header, asked, optional, others=others, required=required)
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
     return table, lines
 
 
-def _csv_rows(
+def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
 ) -> tuple[pd.DataFrame, list[int]]:
     text = read_text(path, what="table")
     first = next(filter(str.strip, text.splitlines()), "")
-    separator = max(SEPARATORS, key=first.count)
+    separator = max(CSV_SEPARATORS, key=first.count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
     try:
         cells_of = ([cell.strip() for cell in cells] for cells in reader)
@@ -281,27 +294,29 @@ def _csv_rows(
         for column_index, name in enumerate(header):
             table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
     names = list(header)
-    for column_index, own, size in _renamed(header, columns):
+    for column_index, own, size in _columns_of_header(header, columns):
         names[column_index] = own
-        table[column_index] = [_in_si(cell, size) for cell in table[column_index]]
+        table[column_index] = [_cell_in_si(cell, size) for cell in table[column_index]]
     return table.set_axis(names, axis=1).reset_index(drop=True), lines
 
 
-def _renamed(header: Sequence[str], columns: Iterable[str]) -> Iterator[tuple[int, str, float]]:
+def _columns_of_header(
+    header: Sequence[str], columns: Iterable[str]
+) -> Iterator[tuple[int, str, float]]:
     """Columns that a header names in words or with another unit.
 
     Yields their numbers in the header, their own names, and the size of the unit.
     """
     columns = list(columns)
-    asked = {*columns_as_in(columns, ()), *columns_as_in(columns, CARTESIAN)}
+    asked = {*columns_in_form(columns, ()), *columns_in_form(columns, CARTESIAN)}
     for column_index, name in enumerate(header):
-        own, size = _column(name)
+        own, size = _column_and_unit_of_cell(name)
         if name not in asked and own in asked - {*header} and size:
             yield column_index, own, size
 
 
-def points_in_memory(
-    points: pd.DataFrame | Mapping[str, Any], *, needed: Sequence[str], others: OtherColumns
+def normalise_points(
+    points: pd.DataFrame | Mapping[str, Any], *, needed: Sequence[str], others: OtherColumnsPolicy
 ) -> pd.DataFrame | Mapping[str, Any]:
     """Points that no file holds, their factors under their own names and in SI units.
 
@@ -313,18 +328,18 @@ def points_in_memory(
     Raises InputError naming the column that is missing, not known or without its unit.
     """
     names = list(map(str, points))
-    renamed = {names[k]: (own, size) for k, own, size in _renamed(names, FACTOR_COLUMNS)}
+    renamed = {names[k]: (own, size) for k, own, size in _columns_of_header(names, FACTOR_COLUMNS)}
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
         scaled = {
-            name: [float(f"{number_in(cell) * size:.15g}") for cell in table[name]]
+            name: [float(f"{number_of_cell(cell) * size:.15g}") for cell in table[name]]
             for name, (_, size) in renamed.items()
         }
         points = table.assign(**scaled).rename(
             columns={name: own for name, (own, _) in renamed.items()}
         )
     header = list(map(str, points))
-    columns = columns_as_in(SCENE_COLUMNS, header)
+    columns = columns_in_form(SCENE_COLUMNS, header)
     optional = [name for name in columns if name not in needed]
     _check_header(
         header, columns, optional, others=others, required=_columns_text(columns, optional)
@@ -341,15 +356,15 @@ def _columns_text(columns: Sequence[str], optional: Collection[str]) -> str:
     return "; ".join(f"{start}{', '.join(names)}" for start, names in parts.items() if names)
 
 
-def _column(cell: str) -> tuple[str, float | None]:
+def _column_and_unit_of_cell(cell: str) -> tuple[str, float | None]:
     """The column that a header's cell names, and the size of its unit; None of one without."""
-    for words, unit in words_and_unit(cell, UNITS):
+    for words, unit in words_and_unit(cell, KNOWN_UNIT_NAMES):
         uncertain = words[-1:] == ["uncertainty"]
         text = " ".join(words[:-1] if uncertain else words).removesuffix(" standard")
         if text in COLUMN_OF_WORDS:
             stem, _, base = COLUMN_OF_WORDS[text].rpartition("_")
             name = f"{stem}_uncertainty_{base}" if uncertain else COLUMN_OF_WORDS[text]
-            return name, UNIT_SIZES[base].get(unit)
+            return name, SIZES_OF_UNIT_NAMES[base].get(unit)
     return cell, None
 
 
@@ -363,15 +378,15 @@ def _with_decimal_points(cells: pd.Series, *, place: str) -> pd.Series:
     return cells.where(~commas, cells.str.replace(",", "."))
 
 
-def _in_si(cell: str, size: float) -> str:
+def _cell_in_si(cell: str, size: float) -> str:
     """Return the number in a cell times the size of its unit, the cell where there is none."""
-    value = number_in(cell)
+    value = number_of_cell(cell)
     return cell if size == 1 or value != value else f"{value * size:.15g}"
 
 
-def _parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, list[int]]:
+def _read_parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, list[int]]:
     """Some rows of a Parquet file, and their numbers; no others are held."""
-    with needing("parquet", what="a table in Parquet"):
+    with requires_extra("parquet", what="a table in Parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
 
@@ -393,7 +408,7 @@ def _parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, 
     return rows_read, [row + 1 for row in asked]
 
 
-def number_in(cell: Any) -> float:
+def number_of_cell(cell: Any) -> float:
     """The number in a cell; NaN where there is none, as in True or 1_000, which Python reads."""
     if isinstance(cell, bool | np.bool_) or (isinstance(cell, str) and "_" in cell):
         return nan
@@ -408,7 +423,7 @@ def _check_header(
     columns: Sequence[str],
     optional: Collection[str],
     *,
-    others: OtherColumns,
+    others: OtherColumnsPolicy,
     required: str,
 ) -> None:
     """Reject a header with a column that is not known, then one that lacks a column.
@@ -420,7 +435,7 @@ def _check_header(
             raise InputError(f"column {name!r} stands twice")
     for name in CARTESIAN if POLAR[0] in columns else ():
         if name in header:
-            raise InputError(f"unknown column {name!r}; {POSITION_FORMS}")
+            raise InputError(f"unknown column {name!r}; {POSITION_FORMS_TEXT}")
     position = {*POLAR, *CARTESIAN} if POLAR[0] in columns or CARTESIAN[0] in columns else set()
     factors = {*columns, *position} - {*header}
     beside = [name for name in header if name not in columns]
@@ -429,21 +444,21 @@ def _check_header(
         missing.append("phi_r_m")
     halved = len(position & {*header}) == 1
     if others == "unknown are invalid" or (others != "invalid" and (missing or halved)):
-        beside = unregistered(beside)
+        beside = unregistered_columns(beside)
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
-        beside = [name for name in beside if _column(name)[0] in factors]
+        beside = [name for name in beside if _column_and_unit_of_cell(name)[0] in factors]
     for name in beside:
-        own, _ = _column(name)
+        own, _ = _column_and_unit_of_cell(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
-            units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES[base])
+            units = ", ".join(f"{stem}_{unit}" for unit in SIZES_OF_UNIT_NAMES[base])
             raise InputError(
                 f"column {name!r} needs a unit, one of {units}; the table needs {required}"
             )
         raise InputError(f"unknown column {name!r}; the table needs {required}")
     for name in missing:
-        form = f" ({POSITION_FORMS})" if name in position else ""
+        form = f" ({POSITION_FORMS_TEXT})" if name in position else ""
         missed = f"column {name!r} is missing; it has {', '.join(header)}{form}"
         raise InputError(f"{missed}; the table needs {required}")
 
@@ -461,8 +476,10 @@ def read_columns(
     Raises InputError naming the file and the column that is missing, or a file without rows.
     """
     path, known = Path(path), (*columns, *optional)
-    table, _ = _rows(path, known, optional=optional, others="ignored", required=", ".join(columns))
-    if path.suffix != PARQUET:
+    table, _ = _read_rows(
+        path, known, optional=optional, others="ignored", required=", ".join(columns)
+    )
+    if path.suffix != PARQUET_SUFFIX:
         table = pd.read_csv(io.StringIO(table.to_csv(index=False)))
     return table
 
@@ -475,22 +492,22 @@ def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str]
 
 def check_parquet() -> None:
     """Raise InputError where the package is missing that reads and writes Parquet."""
-    with needing("parquet", what="a table in Parquet"):
+    with requires_extra("parquet", what="a table in Parquet"):
         import pyarrow  # noqa: F401
 
 
-def table_name(path: Path | str) -> str:
+def checked_table_path(path: Path | str) -> str:
     """Return the name of a table to write.
 
     Raises InputError for a name that says that something else is in the file, and for Parquet
     without the package that writes it: before anything is computed.
     """
     suffix = Path(path).suffix
-    if suffix == PARQUET:
+    if suffix == PARQUET_SUFFIX:
         check_parquet()
-    if suffix.lower() in OTHER_FORMATS:
+    if suffix.lower() in UNSUPPORTED_SUFFIXES:
         raise InputError(
-            f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET}; "
+            f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET_SUFFIX}; "
             f"not as {suffix}"
         )
     return str(path)
@@ -510,20 +527,20 @@ def table_writer(
     Raises InputError for a name that says that something else is in the file, ValueError for a
     column without a meaning in columns.csv.
     """
-    path = Path(table_name(path))
-    pieces = _parquet_pieces if path.suffix == PARQUET else _csv_pieces
+    path = Path(checked_table_path(path))
+    pieces = _parquet_writer if path.suffix == PARQUET_SUFFIX else _csv_writer
 
     def write(piece: pd.DataFrame) -> None:
-        if unknown := unregistered({*piece} - {*given}):
+        if unknown := unregistered_columns({*piece} - {*given}):
             raise ValueError(f"{path}: columns.csv has no {', '.join(unknown)}")
         write_piece(piece)
 
-    with whole_file(path) as name, pieces(name) as write_piece:
+    with atomic_file(path) as name, pieces(name) as write_piece:
         yield write
 
 
 @contextmanager
-def _csv_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
+def _csv_writer(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
     with name.open("w", encoding="utf-8", newline="") as file:
         yield lambda piece: piece.to_csv(
             file, index=False, header=file.tell() == 0, lineterminator="\n"
@@ -531,8 +548,8 @@ def _csv_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
 
 
 @contextmanager
-def _parquet_pieces(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
-    with needing("parquet", what="a table in Parquet"):
+def _parquet_writer(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
+    with requires_extra("parquet", what="a table in Parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
 
@@ -577,7 +594,7 @@ def merge_forces(
                     f"{part}: its points are not those of part {number} of {len(parts)} of "
                     f"{scenes}; simulate it again"
                 )
-            failures += [f"{failure} ({part})" for failure in failures_in(rows)]
+            failures += [f"{failure} ({part})" for failure in failed_points(rows)]
             write(rows)
         if failures and not keep_failed:
             raise RunError(no_force_message(failures, scenes))

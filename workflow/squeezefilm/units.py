@@ -15,21 +15,23 @@ from squeezefilm.errors import InputError
 Dimension = Mapping[str, Fraction]
 BASE_UNITS = ("N", "m", "s", "deg", "K")
 DIMENSIONLESS: Dimension = {}
-MOST_LEVELS = 10_000
-MOST_DECIMALS, LEAST_PLAIN = 15, 1e-4
+MAX_SPACED_VALUES = 10_000
+MAX_DECIMALS, MIN_VALUE_WITHOUT_EXPONENT = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 NUMBER = re.compile(rf"(?!\s*[-+]?0\d+\s*$)\s*({DECIMAL})\s*", re.ASCII)  # 010 may be an octal 8
-SHARED_UNIT = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
+SHARED_UNIT_PATTERN = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
 """Numbers without units, and the unit at the end that is that of all."""
-UNIT_FACTOR = re.compile(
+UNIT_FACTOR_PATTERN = re.compile(
     r"(?P<sign>[/*·\s]*)(?P<name>[^\d\s/*·^²³()]+|1)"
     r"(?:(?:\^|\*\*)?(?P<power>[1-9²³]|\(-?\d+(?:/\d+)?\)))?"
 )
 PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "m": 1e-3, "c": 1e-2, "h": 1e2, "k": 1e3, "M": 1e6}
 PREFIXES |= dict.fromkeys("µμu", 1e-6)
-UNIT_WORDS = {unit.lower(): unit for unit in ("N", "m", "s", "Hz", "rad", "Pa", "W", "kg", "K")}
-UNIT_WORDS |= {"m3": "m³", "deg": "°", "percent": "%"}
+UNIT_OF_LOWER_CASE = {
+    unit.lower(): unit for unit in ("N", "m", "s", "Hz", "rad", "Pa", "W", "kg", "K")
+}
+UNIT_OF_LOWER_CASE |= {"m3": "m³", "deg": "°", "percent": "%"}
 """How units are called at the end of a name of Python's or a column's: ``stiffness_n_per_m``."""
 
 
@@ -61,16 +63,16 @@ UNITS = {
 }
 
 
-def times(a: Dimension, b: Dimension, power: Fraction | int = 1) -> Dimension:
+def dimension_product(a: Dimension, b: Dimension, power: Fraction | int = 1) -> Dimension:
     """The dimension of a · b**power."""
     exponents = {base: a.get(base, 0) + power * b.get(base, 0) for base in {**a, **b}}
     return {base: Fraction(exponent) for base, exponent in exponents.items() if exponent}
 
 
-def compound(text: str) -> Unit | None:
+def parse_compound(text: str) -> Unit | None:
     """A unit made of others, such as ``kg/m³``, ``Pa s`` or ``1/mm``; None for anything else."""
     text, size, dimension, end = text.strip(), 1.0, DIMENSIONLESS, 0
-    for match in UNIT_FACTOR.finditer(text):
+    for match in UNIT_FACTOR_PATTERN.finditer(text):
         unit = Unit(1.0, DIMENSIONLESS) if match["name"] == "1" else UNITS.get(match["name"])
         sign = match["sign"].strip()
         if match.start() != end or unit is None or sign not in ("", "/", "*", "·"):
@@ -78,17 +80,17 @@ def compound(text: str) -> Unit | None:
         power = Fraction((match["power"] or "1").strip("()").translate({178: "2", 179: "3"}))
         power = -power if sign == "/" else power
         size *= unit.size ** (int(power) if power.denominator == 1 else float(power))
-        dimension, end = times(dimension, unit.dimension, power), match.end()
+        dimension, end = dimension_product(dimension, unit.dimension, power), match.end()
     return Unit(size, dimension) if end == len(text) and end else None
 
 
 def unit_sizes(unit: str) -> dict[str, float]:
     """The simple units that measure what a unit does, each with its size in it."""
-    wanted = compound(unit)
+    wanted = parse_compound(unit)
     return {name: each.size for name, each in UNITS.items() if wanted and each[1:] == wanted[1:]}
 
 
-def examples(unit: str) -> str:
+def quantity_examples(unit: str) -> str:
     """Two ways to write a quantity with its unit."""
     return " or ".join(f"1 {name}" for name in (list(unit_sizes(unit)) or [unit])[:2])
 
@@ -99,7 +101,10 @@ def in_unit(text: str, unit: str) -> float | None:
     A number alone is in that unit already.
     """
     match = NUMBER.match(text)
-    own, wanted = compound(text[match.end() :] or unit) if match else None, compound(unit)
+    own, wanted = (
+        parse_compound(text[match.end() :] or unit) if match else None,
+        parse_compound(unit),
+    )
     if not match or not own or not wanted or own.dimension != wanted.dimension:
         return None
     # Fifteen digits: 2.2 µm is 2.2e-6 m and not 2.1999999999999997e-6 m.
@@ -129,7 +134,7 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
     """
     if not set(text) & set(",:"):
         return [quantity(text, option=option, unit=unit)]
-    shared = SHARED_UNIT.fullmatch(text)
+    shared = SHARED_UNIT_PATTERN.fullmatch(text)
     numbers, unit_of_all = shared.groups() if shared else (text, "")
     *ends, count = numbers.split(":")
     if not ends:
@@ -138,25 +143,25 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
             decimal = f"{text.replace(',', '.')}, or " * (len(parts) == 2)
             raise InputError(f"{option} {text!r}: {decimal}{','.join(parts)}? give each its unit")
         values = [quantity(part, option=option, unit=unit) for part in parts]
-        return _distinct(values, f"{option} {text!r}")
+        return _require_distinct(values, f"{option} {text!r}")
     if len(ends) != 2 or not re.fullmatch(r"\s*\d{1,12}\s*", count, re.ASCII):
         raise InputError(f"{option} {text!r}: a range is first:last:count, such as 5:10:6um")
-    if not 2 <= int(count) <= MOST_LEVELS:
-        raise InputError(f"{option} {text!r}: the count must lie within 2 … {MOST_LEVELS}")
+    if not 2 <= int(count) <= MAX_SPACED_VALUES:
+        raise InputError(f"{option} {text!r}: the count must lie within 2 … {MAX_SPACED_VALUES}")
     first, last = (quantity(f"{bound}{unit_of_all}", option=option, unit=unit) for bound in ends)
     step = (last - first) / (int(count) - 1)
     values = [float(f"{first + step * number:.12g}") for number in range(int(count))]
-    return _distinct(values, f"{option} {text!r}")
+    return _require_distinct(values, f"{option} {text!r}")
 
 
-def _distinct(values: list[float], given: str) -> list[float]:
+def _require_distinct(values: list[float], given: str) -> list[float]:
     """The values; raises InputError where two are equal, for they would be the same point."""
     if len(set(values)) < len(values):
         raise InputError(f"{given}: a value stands twice; give each value once")
     return values
 
 
-def rounded_up(error: float) -> float:
+def round_up_error(error: float) -> float:
     """The next number of two digits that is not below an error; 0 of none."""
     if error == 0 or not math.isfinite(error):
         return error
@@ -166,10 +171,10 @@ def rounded_up(error: float) -> float:
 
 def error_text(error: float) -> str:
     """An error rounded up to two digits, both shown: 0.2 is ``0.20``."""
-    return f"{rounded_up(error):#.2g}".removesuffix(".")
+    return f"{round_up_error(error):#.2g}".removesuffix(".")
 
 
-def to_its_error(value: float, error: float) -> tuple[str, str]:
+def round_to_error(value: float, error: float) -> tuple[str, str]:
     """A value up to the last digit of its error, and the error, rounded up to two digits.
 
     Three digits where the error is not known.
@@ -180,9 +185,9 @@ def to_its_error(value: float, error: float) -> tuple[str, str]:
         return f"{value:zg}", "0"
     if not math.isfinite(error):
         return f"{value:.3g}", "unknown"
-    size = rounded_up(abs(error))
+    size = round_up_error(abs(error))
     decimals = 1 - math.floor(math.log10(size))
-    if 0 <= decimals <= MOST_DECIMALS and max(abs(value), size) >= LEAST_PLAIN:
+    if 0 <= decimals <= MAX_DECIMALS and max(abs(value), size) >= MIN_VALUE_WITHOUT_EXPONENT:
         return f"{value:z.{decimals}f}", error_text(size)
     # A film that bears next to nothing, or an error of 100 and more: as many digits as that makes.
     value = round(value, decimals)
@@ -194,7 +199,7 @@ def split_unit(name: str) -> tuple[str, str]:
     """A name without its unit, and the unit as it stands there: ``power`` and ``w``."""
     words = name.split("_")
     for end in range(1, len(words)):
-        if {*words[end:]} <= {*UNIT_WORDS, "per"} and words[-1] != "per":
+        if {*words[end:]} <= {*UNIT_OF_LOWER_CASE, "per"} and words[-1] != "per":
             return "_".join(words[:end]), "_".join(words[end:])
     return name, ""
 
@@ -203,7 +208,7 @@ def unit_of_column(name: str) -> tuple[str, str]:
     """Quantity of a column, and the unit that its name ends in: ``power_w`` in ``W``."""
     quantity, suffix = split_unit(name)
     above, *below = (
-        " ".join(UNIT_WORDS[word] for word in part.split("_") if word)
+        " ".join(UNIT_OF_LOWER_CASE[word] for word in part.split("_") if word)
         for part in re.split("_?per_", suffix)
     )
     return quantity, above + "".join(f"/({unit})" if " " in unit else f"/{unit}" for unit in below)

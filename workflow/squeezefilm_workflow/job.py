@@ -16,15 +16,15 @@ import pandas as pd
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import SUBSTITUTE, write_text
+from squeezefilm.files import SUBSTITUTE_HANDLER, write_text
 from squeezefilm.parallel import showing_progress
 from squeezefilm.tables import write_json, write_table
 
 # Variables of reynolds/device.py and studies/study.py, which take long to import.
-NODE_CACHE_VARIABLE, SMOOTHED_VARIABLE = "SQUEEZEFILM_NODE_CACHE", "SQUEEZEFILM_SMOOTHED"
+NODE_CACHE_VARIABLE, SMOOTHED_SCAN_VARIABLE = "SQUEEZEFILM_NODE_CACHE", "SQUEEZEFILM_SMOOTHED"
 Job = Any
 """The object ``snakemake`` that Snakemake puts before a script's first line."""
-_terminals: list[TextIO] = []
+_terminal_streams: list[TextIO] = []
 """Where Snakemake was started from, beside the log: none before ``run``."""
 
 
@@ -43,20 +43,20 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     # lock; profiles/ state this resource. Snakemake's tmpdir is that of the process.
     if snakemake.resources.get("node_cache"):
         os.environ[NODE_CACHE_VARIABLE] = tempfile.gettempdir()
-    terminal = os.fdopen(os.dup(2), "w", encoding=sys.stderr.encoding, errors=SUBSTITUTE)
-    _terminals.append(terminal)
+    terminal = os.fdopen(os.dup(2), "w", encoding=sys.stderr.encoding, errors=SUBSTITUTE_HANDLER)
+    _terminal_streams.append(terminal)
     with open(snakemake.log[0], "w") as log:  # in the encoding in which Snakemake shows it
         os.dup2(log.fileno(), 1)
         os.dup2(log.fileno(), 2)
     # Other programs write to the same log: a line stands there once it is printed.
     for stream in (sys.stdout, sys.stderr):
         assert isinstance(stream, io.TextIOWrapper)
-        stream.reconfigure(encoding=log.encoding, errors=SUBSTITUTE, line_buffering=True)
+        stream.reconfigure(encoding=log.encoding, errors=SUBSTITUTE_HANDLER, line_buffering=True)
     last = ""
     try:
         config = load_config(snakemake.config["study_file"])
-        smoothed = folder_of_results(snakemake, config) / "profile/smoothed.npz"
-        os.environ[SMOOTHED_VARIABLE] = str(smoothed)
+        smoothed = results_folder(snakemake, config) / "profile/smoothed.npz"
+        os.environ[SMOOTHED_SCAN_VARIABLE] = str(smoothed)
         main(snakemake, config)
     except (InputError, RunError) as error:
         last = f"squeezefilm: error: {error}"
@@ -65,7 +65,7 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
         last = "".join(traceback.format_exception_only(error))
         traceback.print_exc()
     finally:
-        report_use()
+        print_resources_used()
     if last:
         print(last.rstrip(), file=terminal, flush=True)
         sys.exit(1)
@@ -74,18 +74,18 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
 def print_result(text: str) -> None:
     """Print a result that people wait for to the log, and to the terminal."""
     print(text)
-    for terminal in _terminals:
+    for terminal in _terminal_streams:
         print(text, file=terminal, flush=True)
 
 
 @contextmanager
-def telling_progress(name: str) -> Iterator[None]:
+def show_progress_on_terminal(name: str) -> Iterator[None]:
     """Show on the terminal how far a job is that takes long."""
-    with showing_progress(name, to=_terminals[-1] if _terminals else sys.stderr):
+    with showing_progress(name, to=_terminal_streams[-1] if _terminal_streams else sys.stderr):
         yield
 
 
-def report_use() -> None:
+def print_resources_used() -> None:
     """Write what this process and its children took, the log's last line."""
     whose = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     used = [resource.getrusage(who) for who in whose]
@@ -94,7 +94,7 @@ def report_use() -> None:
     print(f"Used: {seconds:.2f} s of processor time, {megabytes:.0f} MB", flush=True)
 
 
-def folder_of_results(snakemake: Job, config: Study) -> Path:
+def results_folder(snakemake: Job, config: Study) -> Path:
     """The folder of the study's results, in a module below its prefix: each output is in it."""
     name = f"results/{config.study}"
     return Path(f"{str(snakemake.output[0]).partition(f'{name}/')[0]}{name}")

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 
-from squeezefilm.api.forces import Force, forces_of, forces_table
+from squeezefilm.api.forces import Force, forces_table, solve_forces
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.loading import config_of, load_film
-from squeezefilm.errors import InputError, RunError, needing
+from squeezefilm.config.loading import load_film, validated_sections
+from squeezefilm.errors import InputError, RunError, requires_extra
 from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK
@@ -23,7 +23,7 @@ from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scenes_in
-from squeezefilm.tables import FACTOR_COLUMNS, number_in, points_in_memory
+from squeezefilm.tables import FACTOR_COLUMNS, normalise_points, number_of_cell
 from squeezefilm.units import quantities
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from squeezefilm.api.points import Points
     from squeezefilm.film.measured.smooth import SmoothedScan
 
-Values = str | float | Sequence[float] | np.ndarray
+FactorValues = str | float | Sequence[float] | np.ndarray
 """Values of one factor: a number in SI units (degrees for angles), several of them, or a text with
 units such as ``"5 um"``, ``"5 um, 6 um"``, ``"0.5:2.5:9 um"`` (first:last:count)."""
 COLUMN_OF_FACTOR = {
@@ -44,19 +44,21 @@ COLUMN_OF_FACTOR = {
     "phi": "phi_deg",
 }
 """What the factors are called where they are asked for, and their columns."""
-MOST_POINTS = 1_000_000
+MAX_POINTS = 1_000_000
 
 
 class Position(TypedDict, total=False):
     """The pad's centre from the actuator's: Cartesian, or polar with phi in degrees."""
 
-    x: Values | None
-    y: Values | None
-    phi_r: Values | None
-    phi: Values | None
+    x: FactorValues | None
+    y: FactorValues | None
+    phi_r: FactorValues | None
+    phi: FactorValues | None
 
 
-def columns_of(*, option: str = "{}", **given: Values | None) -> dict[str, tuple[float, ...]]:
+def factor_combinations(
+    *, option: str = "{}", **given: FactorValues | None
+) -> dict[str, tuple[float, ...]]:
     """Every combination of the values given, a column for each factor given.
 
     Args:
@@ -72,7 +74,9 @@ def columns_of(*, option: str = "{}", **given: Values | None) -> dict[str, tuple
         )
     called = {name: option.format(name.replace("_", "-")) for name in COLUMN_OF_FACTOR}
     values_of = {
-        column: levels(values, called=called[name], unit="deg" if name == "phi" else "m")
+        column: parse_factor_values(
+            values, called=called[name], unit="deg" if name == "phi" else "m"
+        )
         for name, column in COLUMN_OF_FACTOR.items()
         if (values := given.get(name)) is not None
     }
@@ -82,26 +86,26 @@ def columns_of(*, option: str = "{}", **given: Values | None) -> dict[str, tuple
     if "phi_deg" in values_of and "phi_r_m" not in values_of:
         message = "{phi} is a direction; give the distance from the centre by {phi_r} too"
         raise InputError(message.format(**called))
-    if (count := prod(map(len, values_of.values()))) > MOST_POINTS:
-        raise InputError(f"these make {count} points; at most {MOST_POINTS} are allowed")
+    if (count := prod(map(len, values_of.values()))) > MAX_POINTS:
+        raise InputError(f"these make {count} points; at most {MAX_POINTS} are allowed")
     return dict(zip(values_of, zip(*product(*values_of.values()), strict=True), strict=False))
 
 
-def points_of(*, option: str = "{}", **given: Values | None) -> Points:
+def points_of_factors(*, option: str = "{}", **given: FactorValues | None) -> Points:
     """Every combination as a table of Points, to which forces can be added as columns."""
     from squeezefilm.api.points import Points
 
-    return Points(columns_of(option=option, **given), dtype=float)
+    return Points(factor_combinations(option=option, **given), dtype=float)
 
 
-def levels(values: Values, *, called: str, unit: str) -> list[float]:
+def parse_factor_values(values: FactorValues, *, called: str, unit: str) -> list[float]:
     """The numbers that are meant, in SI units or degrees.
 
     Raises InputError naming what they are called.
     """
     if isinstance(values, str):
         return quantities(values, option=called, unit=unit)
-    numbers = [number_in(value) for value in np.ravel(np.asarray(values, dtype=object))]
+    numbers = [number_of_cell(value) for value in np.ravel(np.asarray(values, dtype=object))]
     if not numbers or not np.isfinite(numbers).all():
         raise InputError(
             f"{called}: {values!r} is no finite number in {unit}, nor several of them, nor a text "
@@ -110,7 +114,7 @@ def levels(values: Values, *, called: str, unit: str) -> list[float]:
     return numbers
 
 
-PLACES_LIMITS, INSTANTS_LIMITS = (3, 1001), (4, 1024)
+PLACE_COUNT_RANGE, INSTANT_COUNT_RANGE = (3, 1001), (4, 1024)
 """The least and most of a pressure field, along a side and over a period."""
 DATASET_LABELS = {
     "gauge_pressure": ("Pa", "pressure above ambient"),
@@ -175,7 +179,7 @@ class Film:
             for name, keys in given.items()
             if keys is not None
         }
-        return Film(config_of(sections, path=Path("film"), model=FilmSections))
+        return Film(validated_sections(sections, path=Path("film"), model=FilmSections))
 
     @staticmethod
     def read(path: Path | str) -> Film:
@@ -225,7 +229,7 @@ class Film:
         Example:
             >>> study.scene(h0="5 um", hv="2 um", x="1 mm").sigma
         """
-        scenes = self.scenes(columns_of(h0=h0, hv=hv, **position))
+        scenes = self.scenes(factor_combinations(h0=h0, hv=hv, **position))
         if len(scenes) != 1:
             raise InputError(f"one scene is asked for, not {len(scenes)}: `curve` takes several")
         return scenes[0]
@@ -239,12 +243,12 @@ class Film:
         Example:
             >>> len(study.scenes({"h0_m": [5e-6, 6e-6], "hv_m": [2e-6, 2e-6]}))
         """
-        return scenes_in(self._named(points), self.config)
+        return scenes_in(self._with_factor_columns(points), self.config)
 
     @staticmethod
-    def _named(points: Any) -> Any:
+    def _with_factor_columns(points: Any) -> Any:
         """Points with the factors under their own names."""
-        return points_in_memory(points, needed=FACTOR_COLUMNS[:2], others="unknown are invalid")
+        return normalise_points(points, needed=FACTOR_COLUMNS[:2], others="unknown are invalid")
 
     def force(
         self,
@@ -285,8 +289,8 @@ class Film:
 
     def curve(
         self,
-        h0: Values,
-        hv: Values,
+        h0: FactorValues,
+        hv: FactorValues,
         *,
         tolerance: float | None = None,
         method: str | None = None,
@@ -307,7 +311,7 @@ class Film:
         Example:
             >>> study.curve(h0="5 um, 7 um", hv="0.5:2:4 um")[["h0_m", "hv_m", "force_n"]]
         """
-        points = points_of(h0=h0, hv=hv, **position)
+        points = points_of_factors(h0=h0, hv=hv, **position)
         given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
         return self.forces(points, derivatives=derivatives, budget=budget, **given)
 
@@ -327,7 +331,7 @@ class Film:
             >>> study.forces(pd.DataFrame({"h0_m": [5e-6, 6e-6], "hv_m": 2e-6}))["force_n"]
         """
         given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
-        points = self._named(points)
+        points = self._with_factor_columns(points)
         how: dict[str, Any] = {"derivatives": derivatives, "budget": budget, **given}
         return forces_table(points, self.solved(self.scenes(points), **how))
 
@@ -350,7 +354,7 @@ class Film:
             >>> [float(force) for force in study.solved([study.scene(h0="5 um", hv="2 um")])]
         """
         how: dict[str, Any] = {"derivatives": derivatives, "budget": budget, "smoothed": self.scan}
-        return forces_of(scenes, settings=self.solver(**given), **how)
+        return solve_forces(scenes, settings=self.solver(**given), **how)
 
     def pressure(
         self,
@@ -379,11 +383,11 @@ class Film:
             >>> field = study.pressure(h0="5 um", hv="2 um")
             >>> field.gauge_pressure.mean("phase").max()  # Pa
         """
-        with needing("fields", what="a pressure field"):
+        with requires_extra("fields", what="a pressure field"):
             import xarray
         for name, value, least, most in (
-            ("places", places, *PLACES_LIMITS),
-            ("instants", instants, *INSTANTS_LIMITS),
+            ("places", places, *PLACE_COUNT_RANGE),
+            ("instants", instants, *INSTANT_COUNT_RANGE),
             ("tolerance", tolerance, 1e-8, 0.1),
         ):
             if not least <= value <= most:
@@ -391,7 +395,7 @@ class Film:
         if instants % 2:
             raise InputError(f"instants: {instants} must be even")
         solver = self.solver(method="periodic")
-        (scene,) = solver.resolved([self.scene(h0, hv, **position)])
+        (scene,) = solver.with_terms_decided([self.scene(h0, hv, **position)])
         across = np.linspace(0.0, 1.0, places)
         gauge_pressure_ratio, change = pressure(
             scene, x=across, y=across, instants=instants, tolerance=tolerance, device=self.device

@@ -14,24 +14,24 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import prefix_errors
-from squeezefilm.film.positions import CARTESIAN, columns_as_in, with_position
+from squeezefilm.film.positions import CARTESIAN, columns_in_form, with_both_coordinates
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity
-from squeezefilm.formatting import DIMENSIONLESS_COLUMNS, in_lines, scene_row
+from squeezefilm.formatting import DIMENSIONLESS_COLUMNS, result_lines, scene_row
 from squeezefilm.lazy import pd
-from squeezefilm.parallel import progress_of
+from squeezefilm.parallel import report_progress
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
     budget_row,
     error_budgets,
-    excluded_terms,
+    unsupported_auto_terms,
 )
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, describe
 from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.reynolds.kernel_cache import one_build_at_a_time
 from squeezefilm.reynolds.periodic.launch import build_kernels_of
-from squeezefilm.reynolds.terms import notes_of
+from squeezefilm.reynolds.terms import validity_notes
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of
 from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
@@ -41,10 +41,10 @@ if TYPE_CHECKING:
     from squeezefilm.film.measured.smooth import SmoothedScan
 
 # Scenes solved together, whose states may be held.
-STATES_BATCH = 256
-NOT_ASKED = "not asked for"
-TREATMENT_COLUMNS = ["method", "domain", "terms", "status", "validity", "notes"]
-SCAN_COLUMNS = ("misfit_n", "quadrature_n")
+SCENES_PER_STATES_BATCH = 256
+NOT_REQUESTED = "not asked for"
+SOLVER_CHOICE_COLUMNS = ["method", "domain", "terms", "status", "validity", "notes"]
+SCAN_ERROR_COLUMNS = ("misfit_n", "quadrature_n")
 """Parts of a force's uncertainty by a scan."""
 
 
@@ -117,7 +117,7 @@ class Force:
     def scan_columns(self) -> dict[str, float]:
         """The errors by the scan, by the names of columns; none without a scan."""
         scan = self.scan or {}
-        kept = [name for name in scan if "measurement_noise" in name or name in SCAN_COLUMNS]
+        kept = [name for name in scan if "measurement_noise" in name or name in SCAN_ERROR_COLUMNS]
         return {name: scan[name] for name in kept}
 
     @property
@@ -129,21 +129,22 @@ class Force:
             **{name: getattr(self.solution, name) for name in SOLUTION_COLUMNS},
             **self.scan_columns,
             **(budget | {"budget_status": budget["status"], "status": self.status}),
-            **self.solution.asked_columns,
+            **self.solution.requested_columns,
             "tolerance": self.tolerance,
             "device": self.device,
             "notes": [
-                warning.removeprefix("note: ") for warning in (*self.notes, *notes_of(self.scene))
+                warning.removeprefix("note: ")
+                for warning in (*self.notes, *validity_notes(self.scene))
             ],
         }
 
     def __str__(self) -> str:
-        return in_lines(self.row)
+        return result_lines(self.row)
 
     __repr__ = __str__
 
 
-def forces_of(
+def solve_forces(
     scenes: Scenes | Sequence[Scene],
     *,
     settings: SolverSettings,
@@ -157,22 +158,22 @@ def forces_of(
         smoothed: the scan that their profile was measured in.
         budget: whether to estimate the modelling error too, from separate states.
     """
-    notes = [tuple(excluded_terms(scene, method=settings.method)) for scene in scenes]
+    notes = [tuple(unsupported_auto_terms(scene, method=settings.method)) for scene in scenes]
     (scenes, known_solutions), device = settings.solved(scenes), settings.device
     solutions = solved_with(
         scenes, settings=settings, derivatives=derivatives, known=known_solutions
     )
     known = np.flatnonzero(np.isfinite(solutions.force_n)).tolist()
     with_force = [scenes[k] for k in known]
-    reason = "no force to compare with" if budget else NOT_ASKED
+    reason = "no force to compare with" if budget else NOT_REQUESTED
     beyond = dict.fromkeys(range(len(scenes)), ErrorBudget(status=reason))
     if budget:
         beyond |= dict(zip(known, error_budgets(with_force, device=device), strict=True))
 
-    def solved(scenes: Sequence[Scene], **how: Any) -> Solutions:
+    def solve_scenes(scenes: Sequence[Scene], **how: Any) -> Solutions:
         return solved_with(scenes, settings=replace(settings, **how), derivatives=derivatives)
 
-    errors = _scan_errors(with_force, smoothed, device=device, solved=solved)
+    errors = _scan_errors(with_force, smoothed, device=device, solved=solve_scenes)
     scans = dict(zip(known, errors, strict=False))
     warnings = smoothed.warnings if smoothed and errors else ()
     known_of_device = device.name, settings.tolerance
@@ -197,21 +198,23 @@ def solved_with(
     """
     if not (derivatives or settings.outputs):
         if not known or settings.method == "composite":
-            return solve(scenes, **settings.how, report=report)
+            return solve(scenes, **settings.solve_arguments, report=report)
         report(len(known))
         rows, scenes = np.array(list(known)), Scenes.of(scenes)
         rest = np.delete(np.arange(len(scenes)), rows)
         solutions = Solutions.of_method(settings.method, len(scenes))
         solutions = solutions.with_rows(rows, Solutions.of(list(known.values())))
-        return solutions.with_rows(rest, solve(scenes[rest], **settings.how, report=report))
+        return solutions.with_rows(
+            rest, solve(scenes[rest], **settings.solve_arguments, report=report)
+        )
     from squeezefilm.quantities.derivatives import with_derivatives
     from squeezefilm.quantities.outputs import with_outputs
 
     results = Solutions.of_method(settings.method, len(scenes))
     how: dict[str, Any] = {"tolerance": settings.tolerance, "device": settings.device}
-    for first in range(0, len(scenes), STATES_BATCH):
-        batch = scenes[first : first + STATES_BATCH]
-        solved = solve(batch, **settings.how, keep_states=True, report=report)
+    for first in range(0, len(scenes), SCENES_PER_STATES_BATCH):
+        batch = scenes[first : first + SCENES_PER_STATES_BATCH]
+        solved = solve(batch, **settings.solve_arguments, keep_states=True, report=report)
         if derivatives:
             solved = with_derivatives(batch, solved, **how)
         solved = with_outputs(batch, solved, outputs=settings.outputs, **how)
@@ -220,7 +223,9 @@ def solved_with(
     return results
 
 
-def scan_error_of(smoothed: SmoothedScan | None, *, device: Device) -> Callable[[Scene], float]:
+def scan_error_function(
+    smoothed: SmoothedScan | None, *, device: Device
+) -> Callable[[Scene], float]:
     """Return the function that gives the error of a scene's force by the scan, in newtons."""
     return lambda scene: sum(
         row["scan_error_n"] for row in _scan_errors([scene], smoothed, device=device)
@@ -253,12 +258,12 @@ def forces_table(
     """
     rows, names = [], ["force_n", "force_error_n", "method", "status", "validity"]
     if whole:
-        names, points = [*SOLUTION_COLUMNS], with_position(points)
+        names, points = [*SOLUTION_COLUMNS], with_both_coordinates(points)
         points.insert(0, "point_id", [force.scene.point_id for force in forces])
     for force in forces:
         row = {name: getattr(force.solution, name) for name in names}
-        row |= {**force.scan_columns, **force.solution.asked_columns}
-        if force.budget.status != NOT_ASKED:
+        row |= {**force.scan_columns, **force.solution.requested_columns}
+        if force.budget.status != NOT_REQUESTED:
             least, most = force.modelling_error_percent
             row |= {"modelling_error_lower_percent": least, "modelling_error_upper_percent": most}
         rows.append(row)
@@ -267,19 +272,21 @@ def forces_table(
 
 def budget_table(table: pd.DataFrame, film: Film) -> pd.DataFrame:
     """Return a table of scenes with the modelling error of each force."""
-    scenes = film.solver().resolved(film.scenes(table))
+    scenes = film.solver().with_terms_decided(film.scenes(table))
     budgets = error_budgets(scenes, device=film.device)
     rows = pd.DataFrame(list(map(budget_row, budgets)))
     return pd.concat([table, rows.assign(validity=list(map(validity, scenes)))], axis=1)
 
 
-def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator[dict[str, Any]]]:
+def preview_table(
+    scenes: Sequence[Scene], film: Film
+) -> tuple[pd.DataFrame, Iterator[dict[str, Any]]]:
     """A table of how scenes would be solved, and rows to be shown of it.
 
     A row has a scene's numbers, method, domain, terms and first grid.
     """
     settings = film.solver()
-    scenes = settings.resolved(scenes)
+    scenes = settings.with_terms_decided(scenes)
     rows = []
     expected = dry_run(scenes, tolerance=settings.tolerance, method=settings.method)
     for scene, row in zip(scenes, expected, strict=True):
@@ -290,7 +297,7 @@ def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator
             "validity": validity(scene),
             "absent_terms": "; ".join(term.name for term in absent),
             "absent_term_reasons": "; ".join(f"{term.name}: {term.reason}" for term in absent),
-            "notes": "; ".join(notes_of(scene)),
+            "notes": "; ".join(validity_notes(scene)),
         }
         if settings.outputs:
             from squeezefilm.quantities.outputs import missing_reasons
@@ -300,14 +307,14 @@ def preview(scenes: Sequence[Scene], film: Film) -> tuple[pd.DataFrame, Iterator
             row["outputs_not_supported"] = "; ".join(lacking)
         rows.append(row)
     table = pd.DataFrame(rows)
-    return table, _shown_rows(scenes, table, tolerance=settings.tolerance)
+    return table, _preview_rows(scenes, table, tolerance=settings.tolerance)
 
 
-def _shown_rows(
+def _preview_rows(
     scenes: Sequence[Scene], table: pd.DataFrame, *, tolerance: float
 ) -> Iterator[dict[str, Any]]:
     """Rows to be shown of a table of previews: one for all scenes that are treated alike."""
-    for rows in table.groupby(TREATMENT_COLUMNS, sort=False).indices.values():
+    for rows in table.groupby(SOLVER_CHOICE_COLUMNS, sort=False).indices.values():
         first, mflop = rows[0], table["expected_mflop"].iloc[rows].sum()
         count = (
             {"scenes": f"{len(rows)} of {len(table)}, the first of them:"} if len(table) > 1 else {}
@@ -317,7 +324,7 @@ def _shown_rows(
         yield row | {"absent_term_reasons": row["absent_term_reasons"].split("; ")}
 
 
-WRITTEN_ROWS = 4096
+ROWS_PER_WRITE = 4096
 """Scenes whose results are held before they are written."""
 
 
@@ -365,19 +372,19 @@ def simulate_table(
     seconds = 0.0
     times = table_writer(timings) if timings else nullcontext(lambda rows: None)
     with (
-        progress_of(len(table), unit="scene", name=str(scenes)) as bar,
+        report_progress(len(table), unit="scene", name=str(scenes)) as bar,
         table_writer(output) as write,
         times as write_times,
     ):
-        for first in range(0, len(table), WRITTEN_ROWS):
-            rows = table.iloc[first : first + WRITTEN_ROWS]
-            batch = planned[first : first + WRITTEN_ROWS]
+        for first in range(0, len(table), ROWS_PER_WRITE):
+            rows = table.iloc[first : first + ROWS_PER_WRITE]
+            batch = planned[first : first + ROWS_PER_WRITE]
             start = time.perf_counter()
             how: dict[str, Any] = {"derivatives": derivatives, "report": bar.update}
             decided, known = settings.solved(batch)
             solutions = solved_with(decided, settings=settings, known=known, **how)
             wall = time.perf_counter() - start
-            columns = rows[columns_as_in(SCENE_COLUMNS, rows)]
+            columns = rows[columns_in_form(SCENE_COLUMNS, rows)]
             write(pd.concat([columns, solutions.to_frame(rows.index)], axis=1))
             # By floating-point operations, of which closed forms need none worth counting.
             work = solutions.work
@@ -385,17 +392,17 @@ def simulate_table(
             write_times(rows[["point_id"]].assign(solve_s=wall * time_fractions))
             seconds += wall
             for point_id, solution in zip(rows["point_id"], solutions, strict=True):
-                if reason := missing_of(solution):
+                if reason := missing_reason(solution):
                     missing = incomplete if solution.status == "ok" else failures
                     missing.append(f"point {point_id}: {reason}")
-    for note in excluded_terms(planned[0], method=settings.method):
+    for note in unsupported_auto_terms(planned[0], method=settings.method):
         print(note, file=sys.stderr)
     count = len(table) - len(failures)
     print(f"{count} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)
     return failures, incomplete
 
 
-def missing_of(solution: Solution) -> str:
+def missing_reason(solution: Solution) -> str:
     """Return the reason for a missing force or a missing quantity beside it, or an empty text."""
     asked = (solution, solution.derivatives, solution.outputs)
     return next((result.status for result in asked if result and result.status != "ok"), "")

@@ -18,9 +18,9 @@ from squeezefilm.studies.study import measured_points
 
 # Probability of χ² below which differences count as larger than their uncertainty; and how many
 # standard uncertainties above which the difference of a single point is named.
-LEAST_PROBABILITY, MOST_UNCERTAINTIES = 0.05, 2.0
+MIN_CHI_SQUARE_PROBABILITY, MAX_UNCERTAINTIES_APART = 0.05, 2.0
 # Columns of what makes the uncertainty of a measured force.
-UNCERTAINTY_COLUMNS = [f"force_uncertainty{part}_n" for part in ("", "_h0", "_hv")]
+FORCE_UNCERTAINTY_COLUMNS = [f"force_uncertainty{part}_n" for part in ("", "_h0", "_hv")]
 
 
 def compare_measurements(config: Study) -> pd.DataFrame:
@@ -36,17 +36,19 @@ def compare_measurements(config: Study) -> pd.DataFrame:
     """
     points, film = measured_points(config), Film(config, {"outputs": ()})
     forces = film.solved(film.scenes(points), budget=True)
-    computed = pd.DataFrame([_computed(force) for force in forces], index=points.index)
+    computed = pd.DataFrame(
+        [_computed_force_columns(force) for force in forces], index=points.index
+    )
     table = points.rename(columns={"force_n": "measured_force_n"}).assign(**computed)
-    for factor, column in zip(("h0", "hv"), UNCERTAINTY_COLUMNS[1:], strict=True):
+    for factor, column in zip(("h0", "hv"), FORCE_UNCERTAINTY_COLUMNS[1:], strict=True):
         off_m = points[f"{factor}_uncertainty_m"].to_numpy()
-        table[column] = _propagated(f"{factor}_m", off_m, forces, film.solver())
-    lacking = (table["status"] == OK) & table[UNCERTAINTY_COLUMNS].isna().any(axis=1)
+        table[column] = _propagated_uncertainty_n(f"{factor}_m", off_m, forces, film.solver())
+    lacking = (table["status"] == OK) & table[FORCE_UNCERTAINTY_COLUMNS].isna().any(axis=1)
     table.loc[lacking, "status"] = "no force at h0 or hv plus or minus its uncertainty"
     return with_residuals(table)
 
 
-def _computed(force: Force) -> dict[str, Any]:
+def _computed_force_columns(force: Force) -> dict[str, Any]:
     """Return a computed force and its errors, by names of columns."""
     known = force.validity == OK
     bounds = force.modelling_error_percent if known else (np.nan, np.nan)
@@ -62,7 +64,7 @@ def _computed(force: Force) -> dict[str, Any]:
     }
 
 
-def _propagated(
+def _propagated_uncertainty_n(
     name: str, off_m: np.ndarray, forces: Sequence[Force], settings: SolverSettings
 ) -> np.ndarray:
     """Return the uncertainty (N) of each force due to that of a factor; NaN if not known."""
@@ -81,11 +83,12 @@ def _propagated(
 def with_residuals(table: pd.DataFrame) -> pd.DataFrame:
     """Return a comparison with its residuals.
 
-    ``measurement_uncertainty_n`` is the root of the squares of UNCERTAINTY_COLUMNS; ``residual_n``
-    the measured force less the computed one; ``unexplained_n`` its part beyond the sum of numerical
-    error, profile uncertainty and modelling error: NaN where the last is not known.
+    ``measurement_uncertainty_n`` is the root of the squares of FORCE_UNCERTAINTY_COLUMNS;
+    ``residual_n`` the measured force less the computed one; ``unexplained_n`` its part beyond the
+    sum of numerical error, profile uncertainty and modelling error: NaN where the last is not
+    known.
     """
-    uncertainty_n = np.sqrt((table[UNCERTAINTY_COLUMNS] ** 2).sum(axis=1, skipna=False))
+    uncertainty_n = np.sqrt((table[FORCE_UNCERTAINTY_COLUMNS] ** 2).sum(axis=1, skipna=False))
     residual_n = table["measured_force_n"] - table["force_n"]
     error_n = table["force_error_n"] + table["profile_uncertainty_n"]
     above = residual_n - table["modelling_error_upper_n"] - error_n
@@ -99,7 +102,7 @@ def with_residuals(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def summary_of(table: pd.DataFrame) -> dict[str, Any]:
+def chi_square_summary(table: pd.DataFrame) -> dict[str, Any]:
     """Return χ² of a comparison's solved points, of residuals and of their unexplained parts.
 
     Nothing is fitted, so that each point is a degree of freedom. A χ² of which a part is not known
@@ -118,11 +121,11 @@ def summary_of(table: pd.DataFrame) -> dict[str, Any]:
     larger = "larger than measurement uncertainty"
     if not count:
         worth = "not known: none has a computed force"
-    elif chance >= LEAST_PROBABILITY:
+    elif chance >= MIN_CHI_SQUARE_PROBABILITY:
         worth = "within measurement uncertainty"
-    elif chance_beyond < LEAST_PROBABILITY:
-        names = ", ".join(off.index[off > MOST_UNCERTAINTIES]) or "no single point"
-        most = f"by more than {MOST_UNCERTAINTIES:g} uncertainties at {names}"
+    elif chance_beyond < MIN_CHI_SQUARE_PROBABILITY:
+        names = ", ".join(off.index[off > MAX_UNCERTAINTIES_APART]) or "no single point"
+        most = f"by more than {MAX_UNCERTAINTIES_APART:g} uncertainties at {names}"
         worth = f"{larger} and the known errors of the computed forces, {most}"
     else:
         scan = "and the uncertainty of the scan " * bool(solved["profile_uncertainty_n"].any())

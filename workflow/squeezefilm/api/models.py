@@ -10,19 +10,25 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
-from squeezefilm.api.film import Film, Position, Values, levels, points_of
+from squeezefilm.api.film import (
+    FactorValues,
+    Film,
+    Position,
+    parse_factor_values,
+    points_of_factors,
+)
 from squeezefilm.config import study
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError, RunError, prefix_errors
-from squeezefilm.formatting import in_lines
+from squeezefilm.formatting import result_lines
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds import solve
-from squeezefilm.tables import FACTOR_COLUMNS, failures_in, points_in_memory, write_json
+from squeezefilm.tables import FACTOR_COLUMNS, failed_points, normalise_points, write_json
 
 if TYPE_CHECKING:
     from squeezefilm.models.fit_file import FittedModel
 
-DEFAULT_GAPS = 6
+DEFAULT_GAP_COUNT = 6
 """Evenly spaced over the range of the fit, where no gap is given."""
 
 
@@ -77,7 +83,9 @@ class Fit:
         """
         return dict(zip(self.model.force_model.parameter_names, self.model.theta, strict=True))
 
-    def predict(self, h0: Values, hv: Values, **position: Unpack[Position]) -> pd.DataFrame:
+    def predict(
+        self, h0: FactorValues, hv: FactorValues, **position: Unpack[Position]
+    ) -> pd.DataFrame:
         """The model's forces at every combination of gaps, amplitudes and positions.
 
         The columns are those of ``predict_at``.
@@ -86,7 +94,7 @@ class Fit:
         Example:
             >>> fit.predict(h0="6 um", hv="0.5:2:4 um")[["hv_m", "force_n", "error_95_n"]]
         """
-        return self.predict_at(points_of(h0=h0, hv=hv, **position))
+        return self.predict_at(points_of_factors(h0=h0, hv=hv, **position))
 
     def predict_at(self, points: pd.DataFrame, *, place: object = "predict") -> pd.DataFrame:
         """The model's forces at a table of points: h0_m, hv_m and a position, if any.
@@ -104,7 +112,7 @@ class Fit:
 
         fit = self.model
         with prefix_errors(place):
-            points = _own_points(points, needed=FACTOR_COLUMNS[:2])
+            points = _points_with_factor_columns(points, needed=FACTOR_COLUMNS[:2])
             factors = fit.folded(factors_of(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
@@ -121,7 +129,7 @@ class Fit:
         )
 
     def amplitude_for(
-        self, force: str | float, h0: Values | None = None, **position: Unpack[Position]
+        self, force: str | float, h0: FactorValues | None = None, **position: Unpack[Position]
     ) -> pd.DataFrame:
         """The smallest amplitude that gives a force, a row for each gap and position.
 
@@ -136,7 +144,7 @@ class Fit:
         Example:
             >>> fit.amplitude_for("0.2 N", h0="5 um")[["hv_m", "hv_error_95_m"]]
         """
-        points = points_of(h0=self.gaps() if h0 is None else h0, **position)
+        points = points_of_factors(h0=self.gaps() if h0 is None else h0, **position)
         return self.amplitudes_for(points, force)
 
     def amplitudes_for(self, points: pd.DataFrame, force: str | float) -> pd.DataFrame:
@@ -148,11 +156,11 @@ class Fit:
         from squeezefilm.models.data import factors_of
         from squeezefilm.models.fit_file import amplitude_for
 
-        forces_n = levels(force, called="force", unit="N")
+        forces_n = parse_factor_values(force, called="force", unit="N")
         if len(forces_n) != 1:
             raise InputError(f"force: {force!r} are several; one is asked for")
         with prefix_errors("amplitude-for"):
-            points = _own_points(points, needed=FACTOR_COLUMNS[:1])
+            points = _points_with_factor_columns(points, needed=FACTOR_COLUMNS[:1])
             factors = factors_of(points.assign(hv_m=0.0))
         rows = [
             amplitude_for(self.model, factors.take([index]), force_n=forces_n[0])
@@ -172,7 +180,7 @@ class Fit:
         if "h0_m" not in ranges:
             raise InputError(f"{self.model.file}: tells no range of gaps; give them")
         low, high = ranges["h0_m"]
-        gaps = np.linspace(low, high, DEFAULT_GAPS if high > low else 1)
+        gaps = np.linspace(low, high, DEFAULT_GAP_COUNT if high > low else 1)
         return [float(f"{gap:.12g}") for gap in gaps]
 
     def code(self, language: str, *, name: str = "") -> str:
@@ -187,9 +195,9 @@ class Fit:
         Example:
             >>> print(fit.code("c"))
         """
-        from squeezefilm.models.export import source
+        from squeezefilm.models.export import source_code
 
-        return source(self.model, language, name=name)
+        return source_code(self.model, language, name=name)
 
     def save(self, path: Path | str) -> None:
         """Write the fit's file, which ``Fit.read`` and the command line read.
@@ -211,14 +219,14 @@ class Fit:
         theta |= {"parameters": "; ".join(fit.parameter_notes)} if fit.parameter_notes else {}
         formula = f"{self.name}: {fit.force_model.expression}"
         row = {"formula": formula, **theta, "fitted_points": fit.points}
-        return in_lines(row | {"global_error": fit.global_error, "validation": self.statement})
+        return result_lines(row | {"global_error": fit.global_error, "validation": self.statement})
 
     __repr__ = __str__
 
 
-def _own_points(points: pd.DataFrame, *, needed: Sequence[str]) -> pd.DataFrame:
+def _points_with_factor_columns(points: pd.DataFrame, *, needed: Sequence[str]) -> pd.DataFrame:
     """Points with the factors under their own names, and the user's own columns beside them."""
-    return pd.DataFrame(points_in_memory(points, needed=needed, others="ignored"))
+    return pd.DataFrame(normalise_points(points, needed=needed, others="ignored"))
 
 
 @dataclass(frozen=True, repr=False)
@@ -279,7 +287,7 @@ class Study(Film):
         config = self.config
         chosen = get_model(model, config.models, source=config.path)
         forces, sample = self._simulated(centred=chosen.is_centred)
-        for failure in failures_in(forces):
+        for failure in failed_points(forces):
             raise RunError(failure)
         fitted, _ = fit_to_forces(
             chosen,
@@ -316,8 +324,8 @@ class Study(Film):
     def _solved(self, points: pd.DataFrame) -> pd.DataFrame:
         """The points with their forces."""
         settings = self.solver(outputs=())
-        scenes = settings.resolved(self.scenes(points))
-        forces = solve(scenes, **settings.how).to_frame(points.index)
+        scenes = settings.with_terms_decided(self.scenes(points))
+        forces = solve(scenes, **settings.solve_arguments).to_frame(points.index)
         return points.assign(**forces[["force_n", "force_error_n", "status", "absent_terms"]])
 
 

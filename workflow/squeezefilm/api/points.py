@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 
 import pandas as pd
 
-SHOWN_CHARACTERS = 80
+MAX_COLUMN_CHARACTERS = 80
 
 
 class Points(pd.DataFrame):
@@ -20,16 +20,16 @@ class Points(pd.DataFrame):
         return Points
 
     def __repr__(self) -> str:
-        with _shown_whole():
+        with _without_truncation():
             return str(super().__repr__())
 
     def _repr_html_(self) -> str | None:
-        with _shown_whole():
+        with _without_truncation():
             html: str | None = super()._repr_html_()  # type: ignore[misc]
             return html
 
 
-def _shown_whole() -> AbstractContextManager[None]:
+def _without_truncation() -> AbstractContextManager[None]:
     number = pd.get_option("display.float_format") or "{:.6g}".format
-    whole = ("display.width", SHOWN_CHARACTERS, "display.max_columns", None)
+    whole = ("display.width", MAX_COLUMN_CHARACTERS, "display.max_columns", None)
     return pd.option_context(*whole, "display.float_format", number)

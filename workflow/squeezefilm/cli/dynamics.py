@@ -8,35 +8,35 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.api.forces import scan_error_of
+from squeezefilm.api.forces import scan_error_function
 from squeezefilm.cli.options import (
     FILM_OPTIONS,
     SCENES_ARGUMENT,
     SOLVER_OPTIONS,
     command,
+    factor_options,
     film_of_options,
     option,
-    points,
     points_of_options,
-    points_or_scenes,
-    shown,
+    points_unless_scenes_table,
+    result_text,
     study_column,
     table_output,
     write_rows,
 )
-from squeezefilm.dynamics.levitation import levitation_table, levitations, valid_range_text
-from squeezefilm.dynamics.response import all_gains, all_steps, responses
+from squeezefilm.dynamics.levitation import levitation_rows, levitation_table, valid_range_text
+from squeezefilm.dynamics.response import gain_table, responses, start_and_stop_table
 from squeezefilm.errors import InputError, RunError, prefix_errors
-from squeezefilm.film.validity import GAPS_M, OK
+from squeezefilm.film.validity import GAP_RANGE_M, OK
 from squeezefilm.formatting import scene_row, value_text
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import print_step
 from squeezefilm.tables import read_scenes, write_table
 from squeezefilm.units import quantities, quantity
 
-AMPLITUDES_M = (1e-9, 1e-4)
+AMPLITUDE_RANGE_M = (1e-9, 1e-4)
 GRAVITY_M_PER_S2 = 9.80665
-FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
+DEFAULT_FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
 @command(
@@ -46,7 +46,7 @@ FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
         "--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"
     ),
     *SOLVER_OPTIONS,
-    points("h0"),
+    factor_options("h0"),
 )
 def levitate(options: argparse.Namespace) -> None:
     """The gap at which the film carries a load, its stiffness, and whether it is stable.
@@ -88,20 +88,20 @@ def levitate(options: argparse.Namespace) -> None:
     if min(loads_n) <= 0:
         raise InputError(f"--load {options.load!r} must be positive")
     points = points_of_options(options, times=len(loads_n))
-    least, most = AMPLITUDES_M
+    least, most = AMPLITUDE_RANGE_M
     for hv_m in points["hv_m"]:
         if not least <= hv_m <= most:
             raise InputError(
                 f"--hv: {1e6 * hv_m:g} µm must lie within {1e6 * least:g} … {1e6 * most:g} µm"
             )
     # Of the gap, which is sought, the largest: there surface and pad do not touch.
-    scenes = film.scenes(points | {"h0_m": (GAPS_M[1],) * len(points["hv_m"])})
+    scenes = film.scenes(points | {"h0_m": (GAP_RANGE_M[1],) * len(points["hv_m"])})
     settings, scan = film.solver(), film.scan
-    how = settings.how | {"model_tolerance": settings.model_tolerance}
-    off_n = scan_error_of(scan, device=settings.device)
+    how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
+    off_n = scan_error_function(scan, device=settings.device)
     alone = options.output is None and len(scenes) * len(loads_n) == 1
     rows = []
-    for row in levitations(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg):
+    for row in levitation_rows(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg):
         rows.append(row)
         if not alone:
             print_step(_levitation_line(row))
@@ -114,7 +114,7 @@ def levitate(options: argparse.Namespace) -> None:
         return
     status = rows[0]["status"]
     if options.json or status == OK:
-        print(shown(rows[0], options))
+        print(result_text(rows[0], options))
     if status != OK:
         raise RunError(f"{status}; {valid_range_text(scenes[0], **how)}")
 
@@ -140,11 +140,11 @@ def _levitation_line(row: dict[str, Any]) -> str:
     option(
         "--frequencies",
         "QUANTITY",
-        f"of the modulation: several with commas, or first:last:count; {FREQUENCIES}",
-        default=FREQUENCIES,
+        f"of the modulation: several with commas, or first:last:count; {DEFAULT_FREQUENCIES}",
+        default=DEFAULT_FREQUENCIES,
     ),
     *FILM_OPTIONS,
-    points(many=False),
+    factor_options(many=False),
 )
 def response(options: argparse.Namespace) -> None:
     """Response of the mean force to a changing amplitude: gain, phase and settling times.
@@ -170,7 +170,7 @@ def response(options: argparse.Namespace) -> None:
     validity that a scene exceeds under this equation.
     """
     film = film_of_options(options)
-    points, alone = points_or_scenes(options), options.scenes is None
+    points, alone = points_unless_scenes_table(options), options.scenes is None
     frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
     table = pd.DataFrame(points) if alone else read_scenes(options.scenes)
     if alone and len(table) > 1:
@@ -180,7 +180,7 @@ def response(options: argparse.Namespace) -> None:
     with prefix_errors(options.scenes):
         scenes = film.scenes(table)
     if alone or options.gains is not None:
-        gained = all_gains(table, scenes, frequency_hz)
+        gained = gain_table(table, scenes, frequency_hz)
     if alone or options.output is not None:
         solver = film.solver()
         table_of_responses = responses(
@@ -197,10 +197,10 @@ def response(options: argparse.Namespace) -> None:
                 **scene_row(scenes[0].viscous()),
             }
             row["equation"] = f"period-averaged {row['equation']}"
-            print(shown(row, options))
+            print(result_text(row, options))
         else:
             write_rows(table_of_responses, options)
     if options.gains is not None:
         write_table(gained, options.gains)
     if options.steps is not None:
-        write_table(all_steps(table, scenes), options.steps)
+        write_table(start_and_stop_table(table, scenes), options.steps)

@@ -5,8 +5,14 @@ from __future__ import annotations
 import argparse
 import sys
 
-from squeezefilm.api.film import INSTANTS_LIMITS, PLACES_LIMITS, Film
-from squeezefilm.api.forces import budget_table, forces_table, missing_of, preview, simulate_table
+from squeezefilm.api.film import INSTANT_COUNT_RANGE, PLACE_COUNT_RANGE, Film
+from squeezefilm.api.forces import (
+    budget_table,
+    forces_table,
+    missing_reason,
+    preview_table,
+    simulate_table,
+)
 from squeezefilm.cli.options import (
     CONFIG_OPTION,
     FILM_OPTIONS,
@@ -16,25 +22,25 @@ from squeezefilm.cli.options import (
     SOLVER_OPTIONS,
     check_json,
     command,
+    factor_options,
     film_of_options,
     flag,
     option,
-    points,
-    points_or_scenes,
-    shown,
+    points_unless_scenes_table,
+    result_text,
     study_column,
     table_output,
     write_rows,
 )
 from squeezefilm.errors import InputError, RunError, prefix_errors
-from squeezefilm.files import whole_file
+from squeezefilm.files import atomic_file
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.quantities.model_error import budget_row
 from squeezefilm.solution import OUTPUTS
 from squeezefilm.tables import read_scenes, write_table
 
-BUDGET_BOUNDS = ("modelling_error_lower_percent", "modelling_error_upper_percent")
+MODELLING_ERROR_COLUMNS = ("modelling_error_lower_percent", "modelling_error_upper_percent")
 
 
 @command(
@@ -45,7 +51,7 @@ BUDGET_BOUNDS = ("modelling_error_lower_percent", "modelling_error_upper_percent
     flag("--derivatives", "derivatives of the force too, by each quantity of a scene"),
     flag("--budget", "the modelling error too, as columns of several points; its parts in --json"),
     option("--outputs", "NAME,…", f"further quantities, of {', '.join(OUTPUTS)}, or all"),
-    points(),
+    factor_options(),
 )
 def simulate(options: argparse.Namespace) -> None:
     """Mean squeeze-film forces by solving the Reynolds equation, each with an error estimate.
@@ -94,22 +100,22 @@ def simulate(options: argparse.Namespace) -> None:
     """
     outputs = None if options.outputs is None else [*filter(None, options.outputs.split(","))]
     film = film_of_options(options, outputs)
-    points, path = points_or_scenes(options), options.scenes
+    points, path = points_unless_scenes_table(options), options.scenes
     if options.dry_run:
         with prefix_errors(path):
             scenes = film.scenes(read_scenes(path) if path else points)
-        table, rows = preview(scenes, film)
+        table, rows = preview_table(scenes, film)
         check_json(options, len(table))
         if options.output is not None:
             write_table(table, options.output)
-        print(*(shown(row, options) for row in rows), sep="\n\n")
+        print(*(result_text(row, options) for row in rows), sep="\n\n")
     elif path is None:
-        _simulate_points(points, options, film)
+        _simulate_given_points(points, options, film)
     else:
-        _simulate_table(options, film)
+        _simulate_scenes_table(options, film)
 
 
-def _simulate_points(
+def _simulate_given_points(
     points: dict[str, tuple[float, ...]], options: argparse.Namespace, film: Film
 ) -> None:
     """One force with all that is known of it, or a table of several."""
@@ -121,8 +127,12 @@ def _simulate_points(
         row = forces[0].row
         if options.json and not options.budget:
             parts = {name for name in budget_row(forces[0].budget) if name.endswith("_percent")}
-            row = {name: row[name] for name in row if name in BUDGET_BOUNDS or name not in parts}
-        print(shown(row, options))
+            row = {
+                name: row[name]
+                for name in row
+                if name in MODELLING_ERROR_COLUMNS or name not in parts
+            }
+        print(result_text(row, options))
     else:
         table = forces_table(pd.DataFrame(points), forces, whole=bool(options.output))
         write_rows(table.assign(**study_column(options)), options)
@@ -131,7 +141,7 @@ def _simulate_points(
     failures = [
         f"row {row}: {reason}" if len(forces) > 1 else reason
         for row, force in enumerate(forces, start=1)
-        if (reason := missing_of(force.solution))
+        if (reason := missing_reason(force.solution))
     ]
     if alone and forces[0].validity != OK:
         failures.append(f"outside the limits of validity: {forces[0].validity}")
@@ -139,7 +149,7 @@ def _simulate_points(
         raise RunError("; ".join(failures))
 
 
-def _simulate_table(options: argparse.Namespace, film: Film) -> None:
+def _simulate_scenes_table(options: argparse.Namespace, film: Film) -> None:
     if options.output is None or options.json:
         raise InputError("a table of scenes needs --output, and has no --json")
     if options.budget:
@@ -158,7 +168,7 @@ def _simulate_table(options: argparse.Namespace, film: Film) -> None:
         raise RunError(f"{what} for " + "; ".join(missing))
 
 
-@command(SCENES_ARGUMENT, OUTPUT_OPTION, *FILM_OPTIONS, points())
+@command(SCENES_ARGUMENT, OUTPUT_OPTION, *FILM_OPTIONS, factor_options())
 def error_budget(options: argparse.Namespace) -> None:
     """Estimate the modelling error of forces: inertia, thermal effects, slip, edge loss, sliding.
 
@@ -176,7 +186,7 @@ def error_budget(options: argparse.Namespace) -> None:
     `depth_averaged_percent` is the estimated error of inertia and thermal effects as averages over
     the gap; `validity` is `ok`, or the limits of validity that a scene exceeds.
     """
-    points, film = points_or_scenes(options), film_of_options(options)
+    points, film = points_unless_scenes_table(options), film_of_options(options)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)
     write_rows(budget_table(scenes, film), options)
 
@@ -185,12 +195,15 @@ def error_budget(options: argparse.Namespace) -> None:
     CONFIG_OPTION,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
     option(
-        "--places", None, "points a side, {} to {}".format(*PLACES_LIMITS), type=int, default=41
+        "--places", None, "points a side, {} to {}".format(*PLACE_COUNT_RANGE), type=int, default=41
     ),
     option(
-        "--instants", help="times, even, {} to {}".format(*INSTANTS_LIMITS), type=int, default=32
+        "--instants",
+        help="times, even, {} to {}".format(*INSTANT_COUNT_RANGE),
+        type=int,
+        default=32,
     ),
-    points(many=False),
+    factor_options(many=False),
 )
 def pressure(options: argparse.Namespace) -> None:
     """The pressure under a pad over one period, as a file.
@@ -210,7 +223,7 @@ def pressure(options: argparse.Namespace) -> None:
     film = film_of_options(options)
     field = film.pressure(**given, places=options.places, instants=options.instants)
     if options.output.endswith(".nc"):
-        with whole_file(options.output) as path:
+        with atomic_file(options.output) as path:
             field.to_netcdf(path, engine="scipy")
         return
     names = {"phase": "phase_deg", "time": "time_s", "x": "x_m", "y": "y_m"}

@@ -17,12 +17,12 @@ from typing import NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import let_substitute
+from squeezefilm.files import enable_substitutes
 from squeezefilm.parallel import showing_progress
 
-Groups = Mapping[str, Mapping[str, str]]
+CommandGroups = Mapping[str, Mapping[str, str]]
 
-GROUPS: Groups = {
+COMMAND_GROUPS: CommandGroups = {
     "Forces, fields and fitted models": {
         "squeezefilm.cli.film": "simulate error-budget pressure",
         "squeezefilm.cli.dynamics": "levitate response",
@@ -38,17 +38,17 @@ GROUPS: Groups = {
     },
 }
 """Commands by the titles of their groups and their modules, where ``a-b`` is ``a_b``."""
-INTERRUPTED = "squeezefilm: interrupted\n"
+INTERRUPTED_MESSAGE = "squeezefilm: interrupted\n"
 # Threads of NumPy's libraries wait for each other where the solver's keep all cores busy: the
 # modes of one ellipse (terms/outline.py) took 14 s on two threads and 0.2 s on one.
 THREAD_VARIABLES = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 # Else pydantic reads the metadata of every installed package for plugins of its own.
-NO_PLUGINS = "PYDANTIC_DISABLE_PLUGINS", "__all__"
+DISABLE_PYDANTIC_PLUGINS = "PYDANTIC_DISABLE_PLUGINS", "__all__"
 # Containers made since the last search for garbage that start the next; by Python's 700 the import
 # of PyOpenCL alone starts thirty.
-NEW_OBJECTS = 50_000
-NEGATIVE_NUMBER, OPTION = re.compile(r"-\.?\d"), re.compile(r"--[\w-]+")
-OTHER_NAMES = {
+GARBAGE_COLLECTION_THRESHOLD = 50_000
+NEGATIVE_NUMBER_PATTERN, OPTION_PATTERN = re.compile(r"-\.?\d"), re.compile(r"--[\w-]+")
+SYNONYMS_OF_OPTION = {
     "h0": "gap mean-gap height thickness h ho",
     "hv": "amplitude amp a",
     "x": "position pos x-position",
@@ -64,10 +64,10 @@ OTHER_NAMES = {
     "tolerance": "accuracy error rtol",
 }
 """What people call options, by the names that options have here, without dashes."""
-NAME_WIDTH, WIDTH = 18, 100
+COMMAND_NAME_WIDTH, OVERVIEW_WIDTH = 18, 100
 
 
-def commands_of(groups: Groups = GROUPS) -> dict[str, str]:
+def modules_of_commands(groups: CommandGroups = COMMAND_GROUPS) -> dict[str, str]:
     """The place of every command by its name; a package that is not installed has none.
 
     What shows a finished study lies beside the library in a checkout, and not in its wheel.
@@ -81,7 +81,7 @@ def commands_of(groups: Groups = GROUPS) -> dict[str, str]:
     }
 
 
-def summaries_in(place: str) -> dict[str, str]:
+def command_summaries(place: str) -> dict[str, str]:
     """The first line of each docstring of a module's functions, by their names; not imported."""
     import ast
 
@@ -92,17 +92,17 @@ def summaries_in(place: str) -> dict[str, str]:
     return {node.name: (ast.get_docstring(node) or "").partition("\n")[0] for node in functions}
 
 
-def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> int:
+def main(arguments: Sequence[str] | None = None, *, groups: CommandGroups = COMMAND_GROUPS) -> int:
     """Run one command and return its exit status.
 
     The status is 0 for done, 1 for what could not be completed, 2 for invalid input, 130 after
     Ctrl-C, at which the loading of a command ends in one line as well.
     """
-    let_substitute(sys.stdout, sys.stderr)
+    enable_substitutes(sys.stdout, sys.stderr)
     try:
-        return _run(sys.argv[1:] if arguments is None else arguments, groups=groups)
+        return _run_command(sys.argv[1:] if arguments is None else arguments, groups=groups)
     except KeyboardInterrupt:
-        sys.stderr.write(INTERRUPTED)
+        sys.stderr.write(INTERRUPTED_MESSAGE)
         return 130
     except (InputError, RunError) as error:
         print(f"squeezefilm: error: {error}", file=sys.stderr)
@@ -111,20 +111,20 @@ def main(arguments: Sequence[str] | None = None, *, groups: Groups = GROUPS) -> 
         return 1
 
 
-def _run(arguments: Sequence[str], *, groups: Groups) -> int:
-    commands, chosen = commands_of(groups), arguments[0] if arguments else ""
+def _run_command(arguments: Sequence[str], *, groups: CommandGroups) -> int:
+    commands, chosen = modules_of_commands(groups), arguments[0] if arguments else ""
     if chosen not in commands:
-        _explain(arguments, commands, overview=overview(groups))
+        _print_help(arguments, commands, overview=overview(groups))
     for name in THREAD_VARIABLES:
         os.environ.setdefault(name, "1")
-    os.environ.setdefault(*NO_PLUGINS)
+    os.environ.setdefault(*DISABLE_PYDANTIC_PLUGINS)
     # No module is garbage before the process ends, and a search for it takes a quarter of the time
     # of a small command.
     gc.disable()
-    with _ending_at_once():
+    with _exit_on_interrupt():
         command = getattr(importlib.import_module(commands[chosen]), chosen.replace("-", "_"))
     gc.freeze()
-    gc.set_threshold(NEW_OBJECTS)
+    gc.set_threshold(GARBAGE_COLLECTION_THRESHOLD)
     gc.enable()
     import inspect  # with difflib a third of what `squeezefilm --help` would load
 
@@ -134,32 +134,32 @@ def _run(arguments: Sequence[str], *, groups: Groups) -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     actions = [action for add in command.options for action in add(parser)]
-    words = with_negative_values(arguments[1:])
+    words = join_negative_values(arguments[1:])
     known = ["--help", *(name for action in actions for name in action.option_strings)]
     # By another name first: argparse would find `--out` ambiguous, or miss a required option.
-    unknown = [word for word in words if word.startswith("-") and _meant(word, known)]
+    unknown = [word for word in words if word.startswith("-") and _option_hint(word, known)]
     if not unknown:
         options, unknown = parser.parse_known_args(words)
     if unknown:
-        hint = _meant(unknown[0], known) or _nearest(unknown[0].partition("=")[0], known)
+        hint = _option_hint(unknown[0], known) or _nearest_name(unknown[0].partition("=")[0], known)
         what = f"takes no {unknown[0]!r}; {hint}`{parser.prog} --help` explains what it takes"
         parser.error(what)
     with showing_progress(parser.prog):
         return int(command.run(options) or 0)
 
 
-def with_negative_values(arguments: Sequence[str]) -> list[str]:
+def join_negative_values(arguments: Sequence[str]) -> list[str]:
     """Words of which ``--x -2mm`` is ``--x=-2mm``: argparse takes such values for options."""
     joined: list[str] = []
     for word in arguments:
-        if NEGATIVE_NUMBER.match(word) and joined and OPTION.fullmatch(joined[-1]):
+        if NEGATIVE_NUMBER_PATTERN.match(word) and joined and OPTION_PATTERN.fullmatch(joined[-1]):
             joined[-1] += f"={word}"
         else:
             joined.append(word)
     return joined
 
 
-def _explain(arguments: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
+def _print_help(arguments: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
     """Answer --help, --version or an unknown command."""
     parser = argparse.ArgumentParser(
         prog="squeezefilm",
@@ -170,13 +170,13 @@ def _explain(arguments: Sequence[str], commands: Iterable[str], *, overview: str
     )
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
     if arguments and not arguments[0].startswith("-"):
-        hint = _nearest(arguments[0], commands)
+        hint = _nearest_name(arguments[0], commands)
         parser.error(f"there is no command {arguments[0]!r}; {hint}`squeezefilm --help` names all")
     parser.parse_args(arguments)
     parser.error("which command? `squeezefilm --help` names them")
 
 
-def _meant(word: str, known: Sequence[str]) -> str:
+def _option_hint(word: str, known: Sequence[str]) -> str:
     """The options that a word names otherwise, as a hint; empty where it is one, or short for one.
 
     Args:
@@ -186,12 +186,12 @@ def _meant(word: str, known: Sequence[str]) -> str:
     if stem in known or len([name for name in known if name.startswith(stem)]) == 1:
         return ""
     called = stem.lstrip("-").lower().replace("_", "-")
-    own = [f"--{name}" for name, others in OTHER_NAMES.items() if called in others.split()]
+    own = [f"--{name}" for name, others in SYNONYMS_OF_OPTION.items() if called in others.split()]
     near = " or ".join(repr(name) for name in own if name in known)
     return f"did you mean {near}? " if near else ""
 
 
-def _nearest(word: str, known: Iterable[str]) -> str:
+def _nearest_name(word: str, known: Iterable[str]) -> str:
     import difflib
 
     near = difflib.get_close_matches(word.lower(), [*known], n=1)
@@ -199,33 +199,37 @@ def _nearest(word: str, known: Iterable[str]) -> str:
 
 
 @contextmanager
-def _ending_at_once() -> Iterator[None]:
+def _exit_on_interrupt() -> Iterator[None]:
     """Ctrl-C ends the process: a C extension that loads may turn its exception into another."""
 
-    def end(_signal: int, _frame: object) -> None:
-        os.write(2, INTERRUPTED.encode())
+    def exit_process(_signal: int, _frame: object) -> None:
+        os.write(2, INTERRUPTED_MESSAGE.encode())
         os._exit(130)
 
     if threading.current_thread() is not threading.main_thread():
         yield  # others get no signals
         return
-    before = signal.signal(signal.SIGINT, end)
+    before = signal.signal(signal.SIGINT, exit_process)
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
 
 
-def overview(groups: Groups) -> str:
+def overview(groups: CommandGroups) -> str:
     """Every command with a line about it, in groups."""
-    known = commands_of(groups)
+    known = modules_of_commands(groups)
     lines = []
     for title, modules in groups.items():
         there = [name for names in modules.values() for name in names.split() if name in known]
         lines += [title] if there else []
         for name in there:
-            summary = summaries_in(known[name])[name.replace("-", "_")]
-            text = f"  {name:{NAME_WIDTH}}{summary}"
-            lines.append(textwrap.fill(text, WIDTH, subsequent_indent=" " * (NAME_WIDTH + 2)))
+            summary = command_summaries(known[name])[name.replace("-", "_")]
+            text = f"  {name:{COMMAND_NAME_WIDTH}}{summary}"
+            lines.append(
+                textwrap.fill(
+                    text, OVERVIEW_WIDTH, subsequent_indent=" " * (COMMAND_NAME_WIDTH + 2)
+                )
+            )
         lines += [""] if there else []
     return "\n".join([*lines, "`squeezefilm COMMAND --help` explains a command."])

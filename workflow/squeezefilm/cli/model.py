@@ -8,24 +8,27 @@ from squeezefilm.cli.options import (
     FIT_ARGUMENT,
     RESULT_OPTIONS,
     command,
+    factor_options,
     option,
-    points,
     points_of_options,
     write_rows,
 )
-from squeezefilm.columns import unregistered
+from squeezefilm.columns import unregistered_columns
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.positions import CARTESIAN
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
-from squeezefilm.models.export import LANGUAGES
+from squeezefilm.models.export import NAN_OF_LANGUAGE
 from squeezefilm.models.fit_file import FILM_UNKNOWN
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_columns
 
 
 @command(
-    FIT_ARGUMENT, option("--points", "POINTS.csv", "points as a table"), *RESULT_OPTIONS, points()
+    FIT_ARGUMENT,
+    option("--points", "POINTS.csv", "points as a table"),
+    *RESULT_OPTIONS,
+    factor_options(),
 )
 def predict(options: argparse.Namespace) -> None:
     """Forces by a fitted model, from its file alone.
@@ -51,7 +54,7 @@ def predict(options: argparse.Namespace) -> None:
         needed, source = ("h0_m", "hv_m"), options.points
         table = read_columns(source, columns=needed, optional=FACTOR_COLUMNS)
         # Results of the points, which the table may have, are not the model's.
-        kept = {*SCENE_COLUMNS, *CARTESIAN, *unregistered(map(str, table))}
+        kept = {*SCENE_COLUMNS, *CARTESIAN, *unregistered_columns(map(str, table))}
         table = table[[name for name in table if name in kept]]
     else:
         table, source = pd.DataFrame(points_of_options(options)), "predict"
@@ -69,7 +72,7 @@ def predict(options: argparse.Namespace) -> None:
     FIT_ARGUMENT,
     option("--force", "QUANTITY", "target, e.g. 1.0N", required=True),
     *RESULT_OPTIONS,
-    points("hv"),
+    factor_options("hv"),
 )
 def amplitude_for(options: argparse.Namespace) -> None:
     """The amplitude for a target force, by a fitted model, from its file alone.
@@ -91,7 +94,7 @@ def amplitude_for(options: argparse.Namespace) -> None:
 
 @command(
     FIT_ARGUMENT,
-    option("--language", help="of the code", required=True, choices=LANGUAGES),
+    option("--language", help="of the code", required=True, choices=NAN_OF_LANGUAGE),
     option("--output", "FILE", "file to write, else it is shown"),
 )
 def export(options: argparse.Namespace) -> None:

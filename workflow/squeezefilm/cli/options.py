@@ -11,15 +11,15 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from squeezefilm.api.film import Film, columns_of
+from squeezefilm.api.film import Film, factor_combinations
 from squeezefilm.columns import error_columns
 from squeezefilm.config.loading import load_film
 from squeezefilm.errors import InputError
-from squeezefilm.formatting import in_lines, json_text
+from squeezefilm.formatting import json_text, result_lines
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.tables import table_name, write_table
-from squeezefilm.units import error_text, to_its_error
+from squeezefilm.tables import checked_table_path, write_table
+from squeezefilm.units import error_text, round_to_error
 
 PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""
@@ -31,7 +31,7 @@ HELP_OF_FACTOR = {
     "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
     "phi": "and direction, e.g. 45deg",
 }
-ERROR_PERCENTAGES = ("error_95_percent", "profile_uncertainty_percent")
+ERROR_PERCENT_COLUMNS = ("error_95_percent", "profile_uncertainty_percent")
 SEVERAL_VALUES_HELP = (
     "each a value, several (5um,6um) or first:last:count (5:10:6um: 6 values), in every combination"
 )
@@ -52,7 +52,7 @@ def option(name: str, metavar: str | None = None, help: str = "", **how: Any) ->
 
 def table_output(name: str, metavar: str, help: str, **how: Any) -> OptionAdder:
     """An option for a table to write, whose name is checked before anything is solved."""
-    return option(name, metavar, help, type=table_name, **how)
+    return option(name, metavar, help, type=checked_table_path, **how)
 
 
 def flag(name: str, help: str) -> OptionAdder:
@@ -60,10 +60,10 @@ def flag(name: str, help: str) -> OptionAdder:
     return lambda parser: [parser.add_argument(name, action="store_true", help=help)]
 
 
-def points(*without: str, many: bool = True) -> OptionAdder:
+def factor_options(*without: str, many: bool = True) -> OptionAdder:
     """Options for the factors, but for those in ``without``; ``many`` values of each."""
 
-    def add(parser: argparse.ArgumentParser) -> list[argparse.Action]:
+    def add_factor_options(parser: argparse.ArgumentParser) -> list[argparse.Action]:
         title = "points" if many else "the point"
         group = parser.add_argument_group(title, SEVERAL_VALUES_HELP if many else None)
         return [
@@ -72,7 +72,7 @@ def points(*without: str, many: bool = True) -> OptionAdder:
             if name not in without
         ]
 
-    return add
+    return add_factor_options
 
 
 CONFIG_OPTION = option("--config", "CONFIG.yaml", "the study; default: a checkout's paper.yaml")
@@ -116,14 +116,14 @@ def points_of_options(options: argparse.Namespace, times: int = 1) -> dict[str, 
 
     Raises InputError for a value without its unit, both forms of a position, or too many points.
     """
-    columns = columns_of(
+    columns = factor_combinations(
         option="--{}", **{name: getattr(options, name, None) for name in HELP_OF_FACTOR}
     )
     check_json(options, times * len(next(iter(columns.values()), ())))
     return columns
 
 
-def points_or_scenes(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
+def points_unless_scenes_table(options: argparse.Namespace) -> dict[str, tuple[float, ...]]:
     """Return the points that options give, none where they name a table of scenes.
 
     Raises InputError as ``points_of_options`` does, for both or neither, and without h0 or hv.
@@ -145,9 +145,9 @@ def check_json(options: argparse.Namespace, count: int) -> None:
         raise InputError("--json prints one point: give a single one, and no --output")
 
 
-def shown(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
+def result_text(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
     """Return one result as lines for people, or as a JSON object for scripts."""
-    return json_text(row) if getattr(options, "json", False) else in_lines(row)
+    return json_text(row) if getattr(options, "json", False) else result_lines(row)
 
 
 def write_rows(
@@ -165,12 +165,12 @@ def write_rows(
     if options.output:
         write_table(table, options.output, given=given)
     elif len(table) == 1:
-        print(shown(table.to_dict("records")[0] | about, options))
+        print(result_text(table.to_dict("records")[0] | about, options))
         return
     else:
         print_table(table)
     if about:
-        print(in_lines(about))
+        print(result_lines(about))
 
 
 def print_table(table: pd.DataFrame) -> None:
@@ -180,16 +180,16 @@ def print_table(table: pd.DataFrame) -> None:
         errors = error_columns(name, table)
         for error in errors:
             pairs = [
-                to_its_error(*value_and_error)
+                round_to_error(*value_and_error)
                 for value_and_error in zip(table[name], table[error], strict=True)
             ]
             texts[error] = [text for _, text in pairs]
         if errors:
             largest = table[errors].max(axis=1)
             texts[name] = [
-                to_its_error(*value_and_error)[0]
+                round_to_error(*value_and_error)[0]
                 for value_and_error in zip(table[name], largest, strict=True)
             ]
-        if name in ERROR_PERCENTAGES:
+        if name in ERROR_PERCENT_COLUMNS:
             texts[name] = table[name].map(error_text, na_action="ignore")
     print(texts.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))

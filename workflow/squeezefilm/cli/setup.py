@@ -11,26 +11,26 @@ from typing import Any
 from squeezefilm.cli.options import command, flag, option
 from squeezefilm.config.loading import (
     FilmAloneError,
-    effective_text,
+    effective_yaml,
     load_config,
     load_film,
-    notes_on,
     parse_config,
+    study_notes,
 )
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
-from squeezefilm.formatting import in_lines
-from squeezefilm.models.force_model import check_models
-from squeezefilm.provenance import versions
+from squeezefilm.formatting import result_lines
+from squeezefilm.models.force_model import check_models_of_study
+from squeezefilm.provenance import package_versions
 from squeezefilm.reynolds.device import choose_device, describe, device_name, list_devices
 from squeezefilm.reynolds.kernel_cache import kernel_cache
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
 
-EXAMPLE = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
+EXAMPLE_STUDY = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
 # What a rectangular surface has instead of the example's, by the text before and after.
-RECTANGLE = {
+RECTANGLE_REPLACEMENTS = {
     "a disc (or the disc around what is measured)": "a rectangle",
     "surface_radius: 10 mm": "surface: {shape: rectangle, length_x: 60 mm, length_y: 40 mm}",
     """\
@@ -78,16 +78,16 @@ def new(options: argparse.Namespace) -> None:
 
       snakemake --configfile config/my-actuator.yaml
     """
-    name, folder, example = options.name, Path(options.folder), EXAMPLE.name
+    name, folder, example = options.name, Path(options.folder), EXAMPLE_STUDY.name
     config, scan = folder / f"{name}.yaml", folder / f"{name}.csv"
     files = [config, *[scan] * (not options.rectangle)]
     for path in files:
         if path.exists():
             raise InputError(f"{path}: is there already; choose another name, or remove it")
     what = "example; `squeezefilm new` needs a checkout of the workflow"
-    text = read_text(f"{EXAMPLE}.yaml", what=what)
+    text = read_text(f"{EXAMPLE_STUDY}.yaml", what=what)
     for old, named in (
-        *(RECTANGLE.items() if options.rectangle else ()),
+        *(RECTANGLE_REPLACEMENTS.items() if options.rectangle else ()),
         (f"{example}.csv", f"{name}.csv"),
         (f"study: {example} ", f"study: {name} "),
         (f"results/{example}", f"results/{name}"),
@@ -98,7 +98,7 @@ def new(options: argparse.Namespace) -> None:
     write_text(text, config)
     print(f"{config}: the study; change what is yours")
     if scan in files:
-        write_text(read_text(f"{EXAMPLE}.csv", what=what), scan)
+        write_text(read_text(f"{EXAMPLE_STUDY}.csv", what=what), scan)
         print(f"{scan}: an example of a vibrometer's table; replace it by yours")
     print(f"Then: snakemake --configfile {config}")
 
@@ -126,13 +126,13 @@ def config(options: argparse.Namespace) -> None:
     try:
         study = check_study(load_config(options.study))
     except FilmAloneError as film_alone:
-        print(effective_text(load_film(options.study)), end="")
+        print(effective_yaml(load_film(options.study)), end="")
         print(f"note: {film_alone}", file=sys.stderr)
         return
-    check_models(study)
+    check_models_of_study(study)
     chunk_counts(study)
-    print(effective_text(study), end="")
-    for note in notes_on(study):
+    print(effective_yaml(study), end="")
+    for note in study_notes(study):
         print(f"note: {note}", file=sys.stderr)
     named = {name for section in (study.comparison, study.refine) for name in section.all}
     for name in [model for model in study.models if model not in named]:
@@ -145,14 +145,16 @@ def doctor(options: argparse.Namespace) -> None:
 
     Ends with status 1 when there is no OpenCL device that computes in double precision.
     """
-    from squeezefilm.reynolds.self_test import check_device, check_survival
+    from squeezefilm.reynolds.self_test import check_device, check_in_new_process
 
-    _section("versions", versions())
-    _section("caches", caches())
+    _print_section("versions", package_versions())
+    _print_section("caches", print_cache_folders())
     try:
-        _section("devices", {device_name(device): _kind(device) for device in list_devices()})
+        _print_section(
+            "devices", {device_name(device): _device_kind(device) for device in list_devices()}
+        )
         device = choose_device(option=options.device)
-        _section("chosen device", describe(device))
+        _print_section("chosen device", describe(device))
         if len(list_devices()) > 1:
             print(
                 "of several that match GPUs are taken first, then PoCL, for which kernels are tuned"
@@ -166,13 +168,13 @@ def doctor(options: argparse.Namespace) -> None:
             f"{error}. A device is chosen by --device, by the environment variable "
             "SQUEEZEFILM_DEVICE, or by solver.device of the configuration"
         ) from None
-    check_survival(options.device)
+    check_in_new_process(options.device)
     check_device(device)
     print("self-test: forces of stored films, with every term, are right to 1e-9")
     print("\nall well: simulations can run")
 
 
-def caches() -> dict[str, str]:
+def print_cache_folders() -> dict[str, str]:
     """Report the folders of compiled kernels, and if they can be written."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     folders = {"PoCL (POCL_CACHE_DIR)": kernel_cache()}
@@ -188,10 +190,10 @@ def _folder_state(folder: Path) -> str:
     return "can be written"
 
 
-def _kind(device: Any) -> str:
+def _device_kind(device: Any) -> str:
     precise = "double precision" if device.double_fp_config else "single precision only"
     return f"{device.version.strip()}, {precise}"
 
 
-def _section(title: str, values: Mapping[str, object]) -> None:
-    print(f"\n{title}", in_lines(values) if values else "none", sep="\n")
+def _print_section(title: str, values: Mapping[str, object]) -> None:
+    print(f"\n{title}", result_lines(values) if values else "none", sep="\n")

@@ -11,7 +11,7 @@ from squeezefilm.cli.options import (
     command,
     option,
     print_table,
-    shown,
+    result_text,
     table_output,
 )
 from squeezefilm.config.loading import load_config
@@ -116,14 +116,14 @@ def validate(options: argparse.Namespace) -> None:
     squeezefilm validate FIT.json FORCES.csv --config C.yaml --output ERRORS.csv
     """
     from squeezefilm.models.fit_file import read_fit
-    from squeezefilm.studies.tasks.fits import errors_on
+    from squeezefilm.studies.tasks.fits import errors_of_fit
 
     config = load_config(options.config)
     fitted, forces = read_fit(options.fit), read_ok_forces(options.forces)
     with prefix_errors(f"{options.fit} on {options.forces}"):
-        table, summary = errors_on(fitted, forces, config)
+        table, summary = errors_of_fit(fitted, forces, config)
     write_table(table, options.output)
-    print(shown(summary, options))
+    print(result_text(summary, options))
 
 
 @command(

@@ -11,16 +11,16 @@ from pydantic import AfterValidator, Field, PrivateAttr
 
 from squeezefilm.film.gas import GasOfStudy
 from squeezefilm.film.outline import read_contour
-from squeezefilm.film.pad import Pad, outlined
+from squeezefilm.film.pad import Pad, with_keys_of_shape
 from squeezefilm.film.profiles import Profile, ScanFile, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, with_one_surface
 from squeezefilm.film.symmetry import Symmetry, no_symmetry, symmetry
-from squeezefilm.sections import KeyPath, Number, Section, UniqueItems
+from squeezefilm.sections import BoundedNumber, KeyPath, Section, UniqueItems
 
 if TYPE_CHECKING:
     from squeezefilm.film.measured.smooth import SmoothedScan
 
-SMOOTHED_VARIABLE = "SQUEEZEFILM_SMOOTHED"
+SMOOTHED_SCAN_VARIABLE = "SQUEEZEFILM_SMOOTHED"
 """Of the environment: where a run keeps the smooth profile of its study's scan."""
 
 
@@ -39,12 +39,12 @@ class Solver(Section):
     """
 
     method: Literal["auto", "composite", "periodic"] = "auto"
-    tolerance: Annotated[float, Number("1", 1e-10, 0.1)] = 1e-4
-    model_tolerance: Annotated[float, Number("1", 1e-6, 0.5)] = 1e-3
+    tolerance: Annotated[float, BoundedNumber("1", 1e-10, 0.1)] = 1e-4
+    model_tolerance: Annotated[float, BoundedNumber("1", 1e-6, 0.5)] = 1e-3
     device: Annotated[str, Field(min_length=1)] = "auto"
 
 
-Output = Literal[
+OutputName = Literal[
     "harmonics", "power", "centre", "moments", "thrust", "extremes", "static_stiffness"
 ]
 
@@ -57,9 +57,9 @@ class FilmSections(Section):
 
     gas: GasOfStudy = Field(default={}, validate_default=True)
     actuator: Annotated[Actuator, AfterValidator(with_one_surface)]
-    pad: Annotated[Pad, AfterValidator(outlined)]
+    pad: Annotated[Pad, AfterValidator(with_keys_of_shape)]
     solver: Solver = Field(default_factory=Solver)
-    outputs: Annotated[list[Output], UniqueItems] = Field(
+    outputs: Annotated[list[OutputName], UniqueItems] = Field(
         default=[],
         description="quantities beside the mean force in every `forces.csv`, each with its error "
         "(docs/outputs.md)",
@@ -77,7 +77,7 @@ class FilmSections(Section):
 
     def read_from(self, path: Path, values: Mapping[str, Any]) -> Self:
         """The study, which was read from these values of a file."""
-        self._path, self._written = path, dict(_written(values))
+        self._path, self._written = path, dict(_written_values(values))
         return self
 
     @property
@@ -104,15 +104,15 @@ class FilmSections(Section):
     def smoothed_scan(self, *, again: bool = False) -> "SmoothedScan | None":
         """The measured vibration shape with all that is known of it; None if it is not measured.
 
-        In a run of the workflow as its rule `smooth` wrote it, under the name in SMOOTHED_VARIABLE,
-        unless it is to be smoothed ``again``.
+        In a run of the workflow as its rule `smooth` wrote it, under the name in
+        SMOOTHED_SCAN_VARIABLE, unless it is to be smoothed ``again``.
         """
         path = self.scan_path
         if path is None:
             return None
         from squeezefilm.film.measured.smooth import read_smoothed
 
-        kept = Path(os.environ.get(SMOOTHED_VARIABLE, ""))
+        kept = Path(os.environ.get(SMOOTHED_SCAN_VARIABLE, ""))
         if again or not kept.is_file():
             changed = (path.stat().st_mtime_ns, path.stat().st_size) if path.is_file() else ()
             return _smoothed_scan(path, changed, **self.smoothing)
@@ -137,7 +137,7 @@ class FilmSections(Section):
         settings, surface = self.actuator.profile, self.actuator.surface
         if not isinstance(settings, ScanFile):
             return self.read_profile()
-        radius_m = min(surface.half_m)
+        radius_m = min(surface.half_extents_m)
         if settings.axisymmetric:
             return Sinc(wave_number_per_m=1 / radius_m)
         return StandingWave(
@@ -196,8 +196,8 @@ def _smoothed_scan(path: Path, _changed: tuple[int, ...], **settings: Any) -> "S
     return smoothed_scan(path, **settings)
 
 
-def _written(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+def _written_values(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
     if isinstance(values, Mapping):
         for name, value in values.items():
             yield (*key_path, name), value
-            yield from _written(value, (*key_path, name))
+            yield from _written_values(value, (*key_path, name))

@@ -13,10 +13,10 @@ from squeezefilm.config.study import Study
 from squeezefilm.sections import KeyPath
 
 Schema = Mapping[str, Any]
-Names = tuple[str, ...]
+KeyNames = tuple[str, ...]
 """Of a JSON schema with references put in; ``kinds`` has that for each kind of a section."""
 
-TABLE_HEAD = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
+KEY_TABLE_HEADER = "| key | unit | allowed | default | meaning |\n| --- | --- | --- | --- | --- |\n"
 
 
 @cache
@@ -24,23 +24,24 @@ def schema() -> Schema:
     """The JSON schema of a study, its parts in the places where it refers to them."""
     raw = Study.model_json_schema()
 
-    def inlined(part: Any) -> Any:
+    def inline_references(part: Any) -> Any:
         if isinstance(part, list):
-            return [inlined(item) for item in part]
+            return [inline_references(item) for item in part]
         if not isinstance(part, dict):
             return part
         if "$ref" in part:
             there = raw["$defs"][part["$ref"].rpartition("/")[2]]
-            return inlined(there) | {name: part[name] for name in part if name != "$ref"}
+            return inline_references(there) | {name: part[name] for name in part if name != "$ref"}
         if "discriminator" in part:
             kinds = {
-                choice["properties"]["kind"]["const"]: choice for choice in inlined(part["oneOf"])
+                choice["properties"]["kind"]["const"]: choice
+                for choice in inline_references(part["oneOf"])
             }
             keys = {"kind": {"enum": list(kinds), "description": "it decides the other keys"}}
             return {**part, "properties": keys, "required": ["kind"], "kinds": kinds}
-        return {name: inlined(value) for name, value in part.items()}
+        return {name: inline_references(value) for name, value in part.items()}
 
-    whole: Schema = inlined({name: part for name, part in raw.items() if name != "$defs"})
+    whole: Schema = inline_references({name: part for name, part in raw.items() if name != "$defs"})
     return whole
 
 
@@ -59,22 +60,22 @@ def key_path_of(location: KeyPath, values: Any, *, missing: bool = False) -> Key
         if step == kind or not (written or (missing and position == len(location))):
             kind = None
             continue
-        part, values = _part_inside(part, step, values), _inside(values, step)
-        kind = _inside(values, "kind") if "kinds" in part else None
+        part, values = _schema_inside(part, step, values), _value_inside(values, step)
+        kind = _value_inside(values, "kind") if "kinds" in part else None
         key_path += (step,)
     return key_path
 
 
-def part_at(key_path: KeyPath, values: Any) -> Schema:
+def schema_of_key(key_path: KeyPath, values: Any) -> Schema:
     """Return the part of the schema that describes a key's value, empty if none does."""
     part = schema()
     for step in key_path:
-        part = _part_inside(part, step, values)
-        values = _inside(values, step)
-    return _of_kind(part, values)
+        part = _schema_inside(part, step, values)
+        values = _value_inside(values, step)
+    return _schema_of_kind(part, values)
 
 
-def _inside(values: Any, step: str | int) -> Any:
+def _value_inside(values: Any, step: str | int) -> Any:
     """Return the value under a key or at a list's place, None where there is none."""
     try:
         return values[step]
@@ -82,9 +83,9 @@ def _inside(values: Any, step: str | int) -> Any:
         return None
 
 
-def _part_inside(part: Schema, step: str | int, values: Any) -> Schema:
+def _schema_inside(part: Schema, step: str | int, values: Any) -> Schema:
     """Return the schema of what is under a key of these values, or in a list of them."""
-    own = _of_kind(part, values)
+    own = _schema_of_kind(part, values)
     key: Schema = own.get("properties", {}).get(step) or _pattern_schema(own)
     return own.get("items", {}) if isinstance(step, int) else key
 
@@ -95,28 +96,30 @@ def _pattern_schema(part: Schema) -> Schema:
     return next(iter(part.get("patternProperties", {}).values()), named)
 
 
-def _of_kind(part: Schema, values: Any) -> Schema:
+def _schema_of_kind(part: Schema, values: Any) -> Schema:
     kind = values.get("kind") if isinstance(values, Mapping) else None
     chosen: Schema = part.get("kinds", {}).get(str(kind), part)
     return chosen
 
 
-def allowed(part: Schema) -> str:
+def allowed_text(part: Schema) -> str:
     """Values that the schema allows, as a text; empty for a section."""
     if "enum" in part or "const" in part:
         return ", ".join(f"`{value}`" for value in part.get("enum", [part.get("const")]))
     if "items" in part:
-        return f"a list: {allowed(part['items'])}"
+        return f"a list: {allowed_text(part['items'])}"
     if "anyOf" in part:
-        return " or ".join(allowed(choice) or "a mapping" for choice in part["anyOf"])
+        return " or ".join(allowed_text(choice) or "a mapping" for choice in part["anyOf"])
     if "maximum" in part:
-        low = f"{shown(part['minimum'])} …" if "minimum" in part else "above 0, at most"
-        return f"{low} {shown(part['maximum'])}{', whole' if part['type'] == 'integer' else ''}"
+        low = f"{limit_text(part['minimum'])} …" if "minimum" in part else "above 0, at most"
+        return (
+            f"{low} {limit_text(part['maximum'])}{', whole' if part['type'] == 'integer' else ''}"
+        )
     words = {"string": "text", "number": "a number", "boolean": "`true`, `false`"}
     return words.get(part.get("type", ""), "")
 
 
-def shown(value: float, *, digits: int = 5) -> str:
+def limit_text(value: float, *, digits: int = 5) -> str:
     """A limit or a default as it is written in texts."""
     text = f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
     return text.replace("-", "−") if text.startswith("-") else text
@@ -125,24 +128,24 @@ def shown(value: float, *, digits: int = 5) -> str:
 def key_table(whole: Schema) -> str:
     """Return a row of Markdown for each key: its unit, values, default and meaning."""
     rows = []
-    for path, part, needed in _keys(whole):
+    for path, part, needed in _key_rows(whole):
         # A section in bold; of other keys the names below their section.
         name = f"`{'.'.join(path[1:])}`" if len(path) > 1 else f"**`{path[0]}`**"
         meaning = part["description"].replace("|", "\\|")
-        cells = (name, unit_of(part), allowed(part), _default(part, needed), meaning)
+        cells = (name, unit_of(part), allowed_text(part), _default_text(part, needed), meaning)
         rows.append(f"| {' | '.join(cells)} |\n")
-    return TABLE_HEAD + "".join(rows)
+    return KEY_TABLE_HEADER + "".join(rows)
 
 
-def _keys(part: Schema, path: Names = ()) -> Iterator[tuple[Names, Schema, bool]]:
+def _key_rows(part: Schema, path: KeyNames = ()) -> Iterator[tuple[KeyNames, Schema, bool]]:
     """Each key below a part of the schema: the names that lead to it, and whether it is needed."""
     for name, key in part.get("properties", {}).items():
         yield (*path, name), key, name in part.get("required", ())
-        yield from _keys(key, (*path, name))
+        yield from _key_rows(key, (*path, name))
     if "patternProperties" in part:
-        yield from _keys(_pattern_schema(part), (*path, "NAME"))
+        yield from _key_rows(_pattern_schema(part), (*path, "NAME"))
     for kind, choice in part.get("kinds", {}).items():
-        for key_path, key, needed in _keys(choice, path):
+        for key_path, key, needed in _key_rows(choice, path):
             if key_path[-1] != "kind":
                 yield key_path, {**key, "description": f"of `{kind}`: {key['description']}"}, needed
 
@@ -152,7 +155,7 @@ def unit_of(part: Schema) -> str:
     return str(part.get("unit", part.get("items", {}).get("unit", "")))
 
 
-def _default(part: Schema, needed: bool) -> str:
+def _default_text(part: Schema, needed: bool) -> str:
     """Default of a key, or that it is required."""
     if "derived" in part or needed:
         return str(part.get("derived", "to be written"))
@@ -160,5 +163,7 @@ def _default(part: Schema, needed: bool) -> str:
     if "properties" in part or value is None:
         return ""
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    text = shown(value, digits=12) if number else yaml.safe_dump(value, default_flow_style=True)
+    text = (
+        limit_text(value, digits=12) if number else yaml.safe_dump(value, default_flow_style=True)
+    )
     return f"`{text.removesuffix('...' + chr(10)).strip()}`"

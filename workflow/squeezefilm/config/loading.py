@@ -19,7 +19,7 @@ import yaml
 from pydantic import ValidationError
 
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.keys import Schema, allowed, key_path_of, part_at, unit_of
+from squeezefilm.config.keys import Schema, allowed_text, key_path_of, schema_of_key, unit_of
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
@@ -27,21 +27,23 @@ from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Sinc, StandingWave
 from squeezefilm.film.scene import Actuator
 from squeezefilm.sections import KeyPath, key_of
-from squeezefilm.units import DECIMAL, examples, in_unit
+from squeezefilm.units import DECIMAL, in_unit, quantity_examples
 
 Sections = TypeVar("Sections", bound=FilmSections)
 
 CONFIGURATION = "configuration file"
 YAML_LITERALS = {"true": True, "false": False, "null": None, "~": None, "": None}
-INTEGER = re.compile(r"[-+]?(?:0|[1-9]\d*)", re.ASCII)
-FLOAT = re.compile(rf"(?!{INTEGER.pattern}$)(?!0\d){DECIMAL}|[-+]?\.(?:inf|nan)", re.I | re.ASCII)
-LONGEST_INTEGER = 18
+INTEGER_PATTERN = re.compile(r"[-+]?(?:0|[1-9]\d*)", re.ASCII)
+FLOAT_PATTERN = re.compile(
+    rf"(?!{INTEGER_PATTERN.pattern}$)(?!0\d){DECIMAL}|[-+]?\.(?:inf|nan)", re.I | re.ASCII
+)
+MAX_INTEGER_DIGITS = 18
 STUDY_FILE = "study.yaml"
 """The name of the file beside a study's results."""
-PLANS = ("screen", "extrapolation")
+PLAN_SECTIONS = ("screen", "extrapolation")
 """Sections that a study needs beside its film."""
-KEY_ERRORS = ("missing", "extra_forbidden", "unexpected_keyword_argument")
-TEXT_ERRORS = ("string_pattern_mismatch", "string_too_short", "string_too_long")
+KEY_ERROR_TYPES = ("missing", "extra_forbidden", "unexpected_keyword_argument")
+TEXT_ERROR_TYPES = ("string_pattern_mismatch", "string_too_short", "string_too_long")
 
 
 class FilmAloneError(InputError):
@@ -54,7 +56,7 @@ def load_config(path: Path | str) -> Study:
     Raises InputError naming the file, line and key, what is wrong with it and what is allowed;
     FilmAloneError for a film without a study.
     """
-    return _parsed(read_text(path, what=CONFIGURATION), path=Path(path), model=Study)
+    return _parsed_sections(read_text(path, what=CONFIGURATION), path=Path(path), model=Study)
 
 
 def load_film(path: Path | str) -> FilmSections:
@@ -62,7 +64,9 @@ def load_film(path: Path | str) -> FilmSections:
 
     Raises InputError as ``load_config`` does.
     """
-    return _parsed(read_text(path, what=CONFIGURATION), path=Path(path), model=FilmSections)
+    return _parsed_sections(
+        read_text(path, what=CONFIGURATION), path=Path(path), model=FilmSections
+    )
 
 
 def parse_config(text: str, *, path: Path) -> Study:
@@ -70,23 +74,23 @@ def parse_config(text: str, *, path: Path) -> Study:
 
     Raises InputError as ``load_config`` does.
     """
-    return _parsed(text, path=path, model=Study)
+    return _parsed_sections(text, path=path, model=Study)
 
 
-def _parsed(text: str, *, path: Path, model: type[Sections]) -> Sections:
-    values, lines = _read(text, path=path)
-    if model is Study and {"actuator", "pad"} <= {*values} and not {*PLANS} & {*values}:
+def _parsed_sections(text: str, *, path: Path, model: type[Sections]) -> Sections:
+    values, lines = _read_yaml(text, path=path)
+    if model is Study and {"actuator", "pad"} <= {*values} and not {*PLAN_SECTIONS} & {*values}:
         raise FilmAloneError(
             f"{path}: a film without a study: `squeezefilm simulate`, `levitate` and, in Python, "
             f"`sf.Film.read` take it; a study also has a name, study, and the sections "
-            f"{' and '.join(PLANS)}"
+            f"{' and '.join(PLAN_SECTIONS)}"
         )
     for name in Study.model_fields.keys() - model.model_fields.keys():
         values.pop(name, None)
-    return config_of(values, path=path, lines=lines, model=model)
+    return validated_sections(values, path=path, lines=lines, model=model)
 
 
-def config_of(
+def validated_sections(
     values: Mapping[str, Any],
     *,
     path: Path,
@@ -105,11 +109,11 @@ def config_of(
     try:
         return model.model_validate(values).read_from(path, values)
     except ValidationError as error:
-        messages = _mistakes(error, values, lines or {})
+        messages = _messages_of_errors(error, values, lines or {})
         raise InputError("\n".join(f"{path}: {message}" for message in messages)) from None
 
 
-def with_changes(config: Sections, changes: Mapping[str, Any]) -> Sections:
+def with_changed_keys(config: Sections, changes: Mapping[str, Any]) -> Sections:
     """The study with other values of some keys, which stand in a file as ``gas.viscosity`` does.
 
     Raises InputError as ``load_config`` does.
@@ -118,10 +122,10 @@ def with_changes(config: Sections, changes: Mapping[str, Any]) -> Sections:
     for key_path, value in changes.items():
         *sections, key = key_path.split(".")
         reduce(getitem, sections, values)[key] = value
-    return config_of(values, path=config.path, model=type(config))
+    return validated_sections(values, path=config.path, model=type(config))
 
 
-def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, int]]:
+def _read_yaml(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, int]]:
     """The values of a YAML text, and the line of each.
 
     Of YAML its plain part: true, false, null, decimal numbers, text, lists and mappings, for YAML's
@@ -131,16 +135,16 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, int]]
     lines: dict[KeyPath, int] = {}
     seen: set[yaml.Node] = set()
 
-    def value_of(node: yaml.Node, key_path: KeyPath) -> Any:
+    def value_of_node(node: yaml.Node, key_path: KeyPath) -> Any:
         if node in seen:
             line = node.start_mark.line + 1
             raise InputError(f"{path}: line {line}: an alias of this value is not allowed")
         seen.add(node)
         lines.setdefault(key_path, node.start_mark.line + 1)
         if isinstance(node, yaml.SequenceNode):
-            return [value_of(item, (*key_path, i)) for i, item in enumerate(node.value)]
+            return [value_of_node(item, (*key_path, i)) for i, item in enumerate(node.value)]
         if isinstance(node, yaml.ScalarNode):
-            return node.value if node.style else _scalar(node.value)
+            return node.value if node.style else _yaml_scalar(node.value)
         values: dict[str, Any] = {}
         for key, value in node.value:
             name, line = key.value, key.start_mark.line + 1
@@ -148,13 +152,13 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, int]]
                 what = "stands twice" if isinstance(name, str) else "is not text"
                 raise InputError(f"{path}: line {line}: the key {reprlib.repr(name)} {what}")
             lines[*key_path, name] = line
-            values[name] = value_of(value, (*key_path, name))
+            values[name] = value_of_node(value, (*key_path, name))
         return values
 
     try:
         # A base loader takes every scalar as text; that in C is ten times faster.
         node = yaml.compose(text, Loader=getattr(yaml, "CBaseLoader", yaml.BaseLoader))
-        values = value_of(node, ()) if node else None
+        values = value_of_node(node, ()) if node else None
     except yaml.YAMLError as error:
         raise InputError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from None
     except RecursionError:
@@ -164,15 +168,17 @@ def _read(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, int]]
     return values, lines
 
 
-def _scalar(text: str) -> Any:
+def _yaml_scalar(text: str) -> Any:
     if text in YAML_LITERALS:
         return YAML_LITERALS[text]
-    if INTEGER.fullmatch(text):
-        return int(text) if len(text) <= LONGEST_INTEGER else float(text)
-    return float(text.replace(".i", "i").replace(".n", "n")) if FLOAT.fullmatch(text) else text
+    if INTEGER_PATTERN.fullmatch(text):
+        return int(text) if len(text) <= MAX_INTEGER_DIGITS else float(text)
+    return (
+        float(text.replace(".i", "i").replace(".n", "n")) if FLOAT_PATTERN.fullmatch(text) else text
+    )
 
 
-def _mistakes(
+def _messages_of_errors(
     error: ValidationError, values: Mapping[str, Any], lines: Mapping[KeyPath, int]
 ) -> list[str]:
     """Return one message for each invalid key, in the order of the file."""
@@ -183,10 +189,10 @@ def _mistakes(
         key_path = key_path_of(entry["loc"], values, missing=missing) + further
         if key_path in messages:  # by another choice of a union
             continue
-        if entry["type"] in KEY_ERRORS:
-            text = _about_key(entry, key_path, part_at(key_path[:-1], values))
+        if entry["type"] in KEY_ERROR_TYPES:
+            text = _key_message(entry, key_path, schema_of_key(key_path[:-1], values))
         else:
-            text = _about_value(entry, key_path, part_at(key_path, values))
+            text = _value_message(entry, key_path, schema_of_key(key_path, values))
         inner = next(
             (key_path[:end] for end in range(len(key_path), 0, -1) if key_path[:end] in lines), ()
         )
@@ -198,27 +204,27 @@ def _mistakes(
     return [f"line {line}: {text}" if line else text for line, text in reported]
 
 
-def _about_key(error: Any, key_path: KeyPath, part: Schema) -> str:
+def _key_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     """Message about an unknown or missing key; empty where another error contains it."""
     *section, key = map(str, key_path)
     where, known = ".".join(section) or "top level", part.get("properties", {})
     if error["type"] != "missing":
-        close = _close(key, known) or _close(key_of(key), known)
+        close = _close_match(key, known) or _close_match(key_of(key), known)
         hint = f"did you mean {close!r}?" if close else f"allowed are {', '.join(sorted(known))}"
         return f"{where}: unknown key {key!r}; {hint}"
     if key not in known:  # below a key that is not text
         return ""
-    if any(_close(str(name), known) == key for name in error["input"] if name not in known):
+    if any(_close_match(str(name), known) == key for name in error["input"] if name not in known):
         return ""
     wanted = known[key]
     inner = ", ".join(wanted.get("else", wanted).get("required", ()))
-    words = allowed(wanted) or (f"a section with {inner}" if inner else "a section")
+    words = allowed_text(wanted) or (f"a section with {inner}" if inner else "a section")
     unit = f" {wanted['unit']}" if "unit" in wanted else ""
     about = f": {wanted['description']}" if "description" in wanted else ""
     return f"{where}: missing {key!r} ({words}{unit}){about}"
 
 
-def _about_value(error: Any, key_path: KeyPath, part: Schema) -> str:
+def _value_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     where, wrong, kind = ".".join(map(str, key_path)) or "top level", error["input"], error["type"]
     if kind == "relation":
         return f"{where}: {error['msg']}"
@@ -227,15 +233,15 @@ def _about_value(error: Any, key_path: KeyPath, part: Schema) -> str:
     if kind.startswith("union_tag"):
         kinds = part["properties"]["kind"]
         if kind == "union_tag_not_found":
-            return f"{where}: missing 'kind' ({allowed(kinds)})"
+            return f"{where}: missing 'kind' ({allowed_text(kinds)})"
         wrong, where, part = error["ctx"]["tag"], f"{where}.kind", kinds
     if "enum" in part:
-        close = _close(str(wrong), part["enum"])
+        close = _close_match(str(wrong), part["enum"])
         hint = f"; did you mean {close!r}?" if close else ""
-        return f"{where}: {wrong!r} is none of {allowed(part)}{hint}"
+        return f"{where}: {wrong!r} is none of {allowed_text(part)}{hint}"
     value = reprlib.repr(wrong)
     text = f"{where}: {value} {error['msg'].partition(' ')[2]}"
-    if kind in TEXT_ERRORS and "description" in part:
+    if kind in TEXT_ERROR_TYPES and "description" in part:
         return f"{text}; it is the {part['description']}"
     if "properties" in part:
         return f"{where}: {value} is no section; its keys are {', '.join(part['properties'])}"
@@ -245,16 +251,16 @@ def _about_value(error: Any, key_path: KeyPath, part: Schema) -> str:
             f"{where}: {value} is in radians or in waves per length; write '{number:.6g} rad/m', "
             f"or '{2 * math.pi * number:.6g} rad/m' for {number:.6g} waves per metre"
         )
-    like = f" {unit}, as a number or with its unit, like {examples(unit)}" if unit else ""
-    words = allowed(part)
+    like = f" {unit}, as a number or with its unit, like {quantity_examples(unit)}" if unit else ""
+    words = allowed_text(part)
     return f"{text}; allowed: {words}{like}" if words else text
 
 
-def _close(key: str, known: Iterable[str]) -> str:
+def _close_match(key: str, known: Iterable[str]) -> str:
     return next(iter(difflib.get_close_matches(key, known, n=1)), "")
 
 
-def effective_text(config: FilmSections, *, folder: Path | None = None) -> str:
+def effective_yaml(config: FilmSections, *, folder: Path | None = None) -> str:
     """The whole study or film as YAML that reads as the same; what was not written says so.
 
     Args:
@@ -271,35 +277,35 @@ def effective_text(config: FilmSections, *, folder: Path | None = None) -> str:
             file = config.path.parent.resolve() / section[key]
             section[key] = os.path.relpath(file, start=folder.resolve())
     head = f"# {config.path}, all keys: values without a mark are written in that file.\n"
-    return head + "".join(f"{line}\n" for line in _lines(sections, (), config))
+    return head + "".join(f"{line}\n" for line in _yaml_lines(sections, (), config))
 
 
-USUAL_MAGNITUDES = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
+USUAL_RANGE_OF_UNIT = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
 """Range of a study's frequencies and lengths, and the unit that people give them in."""
 PAPERS_ACTUATOR = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
 PAPERS_PAD = Pad(10e-3, 10e-3)
 """The film whose claims, tables and figures a study with ``paper: true`` makes."""
-PAPERS_EQUATION = {"rarefaction": "none", "polytropic_exponent": 1, "inertia": "none"}
-PAPERS_EQUATION |= {"thermal": "none"}
+PAPERS_GAS_KEYS = {"rarefaction": "none", "polytropic_exponent": 1, "inertia": "none"}
+PAPERS_GAS_KEYS |= {"thermal": "none"}
 
 
-def changes_of_paper(config: Study) -> Iterator[str]:
+def differences_from_paper(config: Study) -> Iterator[str]:
     """Yield what makes the film of a study another than the paper's, by its keys."""
     for name, papers in (("actuator", PAPERS_ACTUATOR), ("pad", PAPERS_PAD)):
         if getattr(config, name) != papers:
             yield f"another {name}"
-    for key, value in PAPERS_EQUATION.items():
+    for key, value in PAPERS_GAS_KEYS.items():
         if (own := getattr(config.gas, key)) != value:
             yield f"gas.{key} {own}"
 
 
-def notes_on(config: Study) -> Iterator[str]:
+def study_notes(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
-    Numbers without a unit that lie outside USUAL_MAGNITUDES, a study of the paper with another
+    Numbers without a unit that lie outside USUAL_RANGE_OF_UNIT, a study of the paper with another
     film, a standing wave without a model that repeats along it.
     """
-    if config.paper and (changes := list(changes_of_paper(config))):
+    if config.paper and (changes := list(differences_from_paper(config))):
         yield (
             f"paper: true, but {', '.join(changes)}: its pages name a variant of the paper; leave "
             "paper out where the paper's claims are not to be compared"
@@ -311,14 +317,14 @@ def notes_on(config: Study) -> Iterator[str]:
         )
     for place, value in config.written.items():
         unit = unit_of(_schema_part(config, place))
-        if unit in USUAL_MAGNITUDES and isinstance(value, int | float):
-            least, most, meant = USUAL_MAGNITUDES[unit]
+        if unit in USUAL_RANGE_OF_UNIT and isinstance(value, int | float):
+            least, most, meant = USUAL_RANGE_OF_UNIT[unit]
             if not least <= abs(value) <= most:
                 key = ".".join(map(str, place))
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 
-def origin(config: FilmSections, key_path: KeyPath) -> str:
+def value_origin(config: FilmSections, key_path: KeyPath) -> str:
     """Origin of a key's value, as a text; empty where it was written."""
     if key_path in config.written:
         return ""
@@ -327,34 +333,36 @@ def origin(config: FilmSections, key_path: KeyPath) -> str:
 
 
 def _schema_part(config: FilmSections, key_path: KeyPath) -> Schema:
-    return part_at(key_path, config.sections())
+    return schema_of_key(key_path, config.sections())
 
 
-def _lines(values: Mapping[str, Any], key_path: KeyPath, config: FilmSections) -> Iterator[str]:
+def _yaml_lines(
+    values: Mapping[str, Any], key_path: KeyPath, config: FilmSections
+) -> Iterator[str]:
     for name, value in values.items():
         here = (*key_path, name)
-        start = "  " * len(key_path) + f"{_flow(name)}:"
+        start = "  " * len(key_path) + f"{_yaml_on_one_line(name)}:"
         if isinstance(value, Mapping) and value:
             yield start
-            yield from _lines(value, here, config)
+            yield from _yaml_lines(value, here, config)
         else:
-            notes = unit_of(_schema_part(config, here)), origin(config, here)
+            notes = unit_of(_schema_part(config, here)), value_origin(config, here)
             note = ", ".join(filter(None, notes))
-            yield f"{start} {_flow(value)}" + (f" # {note}" if note else "")
+            yield f"{start} {_yaml_on_one_line(value)}" + (f" # {note}" if note else "")
 
 
-def _flow(value: Any) -> str:
+def _yaml_on_one_line(value: Any) -> str:
     """A value on one line."""
     text = yaml.safe_dump(value, default_flow_style=True, allow_unicode=True, width=10**6)
     return text.removesuffix("\n").removesuffix("\n...")
 
 
-def write_effective(config: Study, folder: Path) -> Path:
+def write_effective_study(config: Study, folder: Path) -> Path:
     """Write the whole study beside its results, unless it is there; the file's path.
 
     Raises InputError where it cannot be written.
     """
-    path, text = folder / STUDY_FILE, effective_text(config, folder=folder)
+    path, text = folder / STUDY_FILE, effective_yaml(config, folder=folder)
     same = path.exists() and read_text(path, what="study") == text
     # Who runs the study of an earlier run reads that very file.
     if not same and path.resolve() != config.path.resolve():
@@ -362,7 +370,7 @@ def write_effective(config: Study, folder: Path) -> Path:
     return path
 
 
-def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
+def write_study_file(values: Mapping[str, Any], *, results: Path) -> Path:
     """The file of a study that another workflow gives as a mapping: ``results``/STUDY/study.yaml.
 
     Commands read files, and so can a reader later. The study is checked as a file's is, and gets
@@ -376,5 +384,5 @@ def written_study(values: Mapping[str, Any], *, results: Path) -> Path:
         plain = json.loads(json.dumps(values))
     except (TypeError, ValueError) as error:
         raise InputError(f"{source}: {error}") from None
-    study = config_of(plain, path=source, model=Study)
-    return write_effective(study, results / study.study)
+    study = validated_sections(plain, path=source, model=Study)
+    return write_effective_study(study, results / study.study)

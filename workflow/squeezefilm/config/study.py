@@ -14,25 +14,35 @@ from squeezefilm.config.film import FilmSections
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
 from squeezefilm.film.profiles import TravellingWave
-from squeezefilm.sections import DERIVED, Number, Section, Text, UniqueItems, error_at, key_of
+from squeezefilm.sections import (
+    DERIVED,
+    BoundedNumber,
+    Section,
+    Text,
+    UniqueItems,
+    error_at_key,
+    key_of,
+)
 
-LEVELS_RATIO, MOST_LEVELS = 2, 1000
+ERROR_MAP_LEVELS_RATIO, MAX_ERROR_MAP_LEVELS = 2, 1000
 """The error map's levels over the screen's: they share no points but the corners."""
-EQUAL_LEVELS = ROUNDING_SLACK = 1e-9
-DIRECTIONS_DEG = (0.0, 22.5, 45.0)
-POSITIONS = 25
+EQUAL_LEVELS_TOLERANCE = RANGE_ROUNDING_TOLERANCE = 1e-9
+DEFAULT_DIRECTIONS_DEG = (0.0, 22.5, 45.0)
+DEFAULT_POSITION_COUNT = 25
 """Of the four-factor plan, where they are to fill the reachable space."""
-EXTRAPOLATION_RATIO, LARGEST_EXTRAPOLATION_RATIO = 1.1, 1.5
+DEFAULT_EXTRAPOLATION_RATIO, MAX_EXTRAPOLATION_RATIO = 1.1, 1.5
 """An amplitude beyond the screen at which its models are tried, over the screen's largest: the
 default, and the most."""
 
-FilmLength = Annotated[float, Number("m", 1e-9, 1e-3)]  # below a nanometre there is no film of gas
-Separation = Annotated[float, Number("1", 0, 0.5, open=True)]
+FilmLength = Annotated[
+    float, BoundedNumber("m", 1e-9, 1e-3)
+]  # below a nanometre there is no film of gas
+Separation = Annotated[float, BoundedNumber("1", 0, 0.5, open=True)]
 Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
 Seed = Annotated[int, Field(strict=True, ge=0, le=10**9)]
-Name = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
-UpTo100 = Field(min_length=1, max_length=100)
-Names = Annotated[list[Name], UpTo100, UniqueItems]
+ModelName = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
+OneTo100Items = Field(min_length=1, max_length=100)
+ModelNames = Annotated[list[ModelName], OneTo100Items, UniqueItems]
 
 
 class Simulation(Section):
@@ -44,7 +54,7 @@ class Simulation(Section):
             to two seconds, on a cluster more. Forces do not depend on it
     """
 
-    seconds_per_job: Annotated[float, Number("s", 1e-6, 1e6)] = 10.0
+    seconds_per_job: Annotated[float, BoundedNumber("s", 1e-6, 1e6)] = 10.0
 
 
 class Sweep(Section):
@@ -73,7 +83,7 @@ class Levels(Section):
 
     start: FilmLength
     stop: FilmLength
-    levels: Annotated[int, Field(strict=True, ge=2, le=MOST_LEVELS)] = 8
+    levels: Annotated[int, Field(strict=True, ge=2, le=MAX_ERROR_MAP_LEVELS)] = 8
 
 
 class Screen(Section):
@@ -114,7 +124,7 @@ class Fit(Section):
     """
 
     bounds: Annotated[
-        list[Annotated[float, Number("1", 0, 1e12, open=True)]],
+        list[Annotated[float, BoundedNumber("1", 0, 1e12, open=True)]],
         Field(min_length=1, max_length=10),
         UniqueItems,
     ] = Field(default=[100.0])
@@ -178,7 +188,7 @@ class LevelsOfScreen(Section):
 
     start: FilmLength = DERIVED
     stop: FilmLength = DERIVED
-    levels: Annotated[int, Field(strict=True, ge=2, le=MOST_LEVELS)] = DERIVED
+    levels: Annotated[int, Field(strict=True, ge=2, le=MAX_ERROR_MAP_LEVELS)] = DERIVED
 
 
 class ErrorMap(Section):
@@ -193,7 +203,7 @@ class ErrorMap(Section):
     hv_m: LevelsOfScreen = Field(default_factory=LevelsOfScreen)
 
 
-Unit = Annotated[str, Field(min_length=1, max_length=40)]
+UnitText = Annotated[str, Field(min_length=1, max_length=40)]
 
 
 class OwnModel(Section):
@@ -210,17 +220,17 @@ class OwnModel(Section):
     expression: Annotated[str, Field(min_length=1, max_length=4000)]
     about: Annotated[str, Field(max_length=200)] = DERIVED
     parameters: (
-        Annotated[list[Unit], Field(max_length=30), UniqueItems]
-        | Annotated[dict[str, Unit | Literal[1]], Field(max_length=30)]
+        Annotated[list[UnitText], Field(max_length=30), UniqueItems]
+        | Annotated[dict[str, UnitText | Literal[1]], Field(max_length=30)]
     ) = DERIVED
     constants: dict[str, str | float] = Field({}, max_length=30)
 
 
-class BySpace(Section):
+class ModelNamesBySpace(Section):
     """Names of models for each space of factors."""
 
-    two_factor: Names = DERIVED
-    four_factor: Names = DERIVED
+    two_factor: ModelNames = DERIVED
+    four_factor: ModelNames = DERIVED
 
     def of(self, space: str) -> list[str]:
         """The models of a space, ``two_factor`` or ``four_factor``."""
@@ -232,7 +242,7 @@ class BySpace(Section):
         return [*self.two_factor, *self.four_factor]
 
 
-class Comparison(BySpace):
+class Comparison(ModelNamesBySpace):
     """Candidates that `snakemake models` compares, by the names of your own or of the library
     (workflow/squeezefilm/models/models.yaml).
 
@@ -244,7 +254,7 @@ class Comparison(BySpace):
     """
 
 
-class Refine(BySpace):
+class Refine(ModelNamesBySpace):
     """`snakemake refine`: simulate, fit, design, until a model is good enough (see
     docs/how-to/few-simulations.md).
 
@@ -265,8 +275,8 @@ class Refine(BySpace):
         seed: of the verification points, and of the search of the first fit
     """
 
-    global_error: Annotated[float, Number("1", 0, 1, open=True)] = 1e-3
-    worst_error: Annotated[float, Number("1", 0, 10, open=True)] = 5e-3
+    global_error: Annotated[float, BoundedNumber("1", 0, 1, open=True)] = 1e-3
+    worst_error: Annotated[float, BoundedNumber("1", 0, 10, open=True)] = 5e-3
     simulations: Annotated[int, Field(strict=True, ge=3, le=10000)] = 20
     verification: Annotated[int, Field(strict=True, ge=3, le=1000)] = 8
     batch: Count = 2
@@ -308,7 +318,7 @@ class Validation(Section):
 
     points: Annotated[int, Field(strict=True, ge=2, le=10**6)] = 1000
     seed: Seed = 2
-    relative_error_band: Annotated[float, Number("1", 0, 1, open=True)] = 0.15
+    relative_error_band: Annotated[float, BoundedNumber("1", 0, 1, open=True)] = 0.15
 
 
 class Extrapolation(Section):
@@ -325,7 +335,7 @@ class Extrapolation(Section):
 
     h0_m: FilmLength = DERIVED
     hv_m: FilmLength = DERIVED
-    force_n: Annotated[float, Number("N", 0, 1e6, open=True)]
+    force_n: Annotated[float, BoundedNumber("N", 0, 1e6, open=True)]
 
 
 class Numerics(Section):
@@ -339,7 +349,7 @@ class Numerics(Section):
 
     extent: Literal["full", "sample"] = "sample"
     repeats: Count = 1
-    longest_seconds: Annotated[float, Number("s", 0, 1e5, open=True)] = 0.2
+    longest_seconds: Annotated[float, BoundedNumber("s", 0, 1e5, open=True)] = 0.2
 
 
 class Figures(Section):
@@ -366,14 +376,14 @@ class Measurements(Section):
     file: Text
 
 
-class Header(Section):
+class StudyHeader(Section):
     """First keys of a study."""
 
     study: Annotated[str, Field(pattern="^[a-z0-9][a-z0-9_-]{0,59}$")]
     paper: StrictBool = False
 
 
-class Study(FilmSections, Header):
+class Study(FilmSections, StudyHeader):
     """A study – gas, actuator, pad, and what is simulated, fitted and designed.
 
     Attributes:
@@ -393,7 +403,7 @@ class Study(FilmSections, Header):
     four_factor_design: FourFactorDesign = Field(default_factory=FourFactorDesign)
     four_factor_control: FourFactorControl = Field(default_factory=FourFactorControl)
     error_map: ErrorMap = Field(default_factory=ErrorMap)
-    models: Annotated[dict[Name, OwnModel], Field(max_length=100)] = Field(default={})
+    models: Annotated[dict[ModelName, OwnModel], Field(max_length=100)] = Field(default={})
     comparison: Comparison = Field(default_factory=Comparison)
     refine: Refine = Field(default_factory=Refine)
     optimal: Optimal = Field(default_factory=Optimal)
@@ -417,11 +427,11 @@ class Study(FilmSections, Header):
         """The ranges of the error map and the extrapolation, from the screen's."""
         for factor in ("h0_m", "hv_m"):
             fitted, control = getattr(self.screen, factor), getattr(self.error_map, factor)
-            levels = min(LEVELS_RATIO * fitted.levels, MOST_LEVELS)
+            levels = min(ERROR_MAP_LEVELS_RATIO * fitted.levels, MAX_ERROR_MAP_LEVELS)
             _fill_defaults(control, start=fitted.start, stop=fitted.stop, levels=levels)
         wanted, largest_m = self.extrapolation, self.screen.hv_m.stop
         _fill_defaults(wanted, h0_m=self.screen.h0_m.start)
-        farther_m = float(f"{EXTRAPOLATION_RATIO * largest_m:.12g}")
+        farther_m = float(f"{DEFAULT_EXTRAPOLATION_RATIO * largest_m:.12g}")
         _fill_defaults(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
 
     def _derive_models(self) -> None:
@@ -450,18 +460,18 @@ class Study(FilmSections, Header):
         """Positions in the form of the surface: half of the way that the pad may go, and all."""
         positions, surface = self.positions, self.actuator.rectangle
         if not (self.paper or positions.model_fields_set):
-            positions.points = POSITIONS
+            positions.points = DEFAULT_POSITION_COUNT
         if surface is None:
-            _fill_defaults(positions, phi_deg=list(DIRECTIONS_DEG))
+            _fill_defaults(positions, phi_deg=list(DEFAULT_DIRECTIONS_DEG))
             if positions.phi_r_m is None:
-                half_m, reach_m = self.actuator.surface_radius_m, _reach_m(self.pad)
-                way_m = _travel_m("actuator.surface_radius", half_m, reach_m, "phi_r")
+                half_m, reach_m = self.actuator.surface_radius_m, _farthest_edge_m(self.pad)
+                way_m = _max_travel_m("actuator.surface_radius", half_m, reach_m, "phi_r")
                 positions.phi_r_m = [_rounded_down(way_m / 2), _rounded_down(way_m)]
             return
-        for axis, reach_m in zip("xy", _reaches_m(self.pad), strict=True):
+        for axis, reach_m in zip("xy", _extents_along_axes_m(self.pad), strict=True):
             if getattr(positions, f"{axis}_m") is None:
                 half_m = getattr(surface, f"length_{axis}_m") / 2
-                way_m = _travel_m(f"actuator.surface.length_{axis}", half_m, reach_m, axis)
+                way_m = _max_travel_m(f"actuator.surface.length_{axis}", half_m, reach_m, axis)
                 setattr(
                     positions, f"{axis}_m", [0.0, _rounded_down(way_m / 2), _rounded_down(way_m)]
                 )
@@ -469,11 +479,11 @@ class Study(FilmSections, Header):
     def _check_ranges(self) -> None:
         """Reject empty ranges, and values outside the screen's, where models are fitted.
 
-        An extrapolation may lie above them in amplitude, up to LARGEST_EXTRAPOLATION_RATIO times
+        An extrapolation may lie above them in amplitude, up to MAX_EXTRAPOLATION_RATIO times
         the largest; an error map must have points that the screen has not.
         """
         new = False
-        for factor, farthest in (("h0_m", 1.0), ("hv_m", LARGEST_EXTRAPOLATION_RATIO)):
+        for factor, farthest in (("h0_m", 1.0), ("hv_m", MAX_EXTRAPOLATION_RATIO)):
             key = key_of(factor)
             fitted, control, wanted_m = (
                 getattr(section, factor)
@@ -481,14 +491,18 @@ class Study(FilmSections, Header):
             )
             for section, levels in (("screen", fitted), ("error_map", control)):
                 if levels.start >= levels.stop:
-                    raise error_at("start must be below stop", section, key)
+                    raise error_at_key("start must be below stop", section, key)
             for key_path, value, most in (
                 (("error_map", key, "start"), control.start, fitted.stop),
                 (("error_map", key, "stop"), control.stop, fitted.stop),
                 (("extrapolation", key), wanted_m, farthest * fitted.stop),
             ):
-                if not fitted.start * (1 - ROUNDING_SLACK) <= value <= most * (1 + ROUNDING_SLACK):
-                    raise error_at(
+                if (
+                    not fitted.start * (1 - RANGE_ROUNDING_TOLERANCE)
+                    <= value
+                    <= most * (1 + RANGE_ROUNDING_TOLERANCE)
+                ):
+                    raise error_at_key(
                         f"{value:g} does not suit screen.{key}, {fitted.start:g} … "
                         f"{fitted.stop:g}, where the models are fitted; it must lie from "
                         f"{fitted.start:g} to {most:g}",
@@ -497,10 +511,12 @@ class Study(FilmSections, Header):
             screen = np.linspace(fitted.start, fitted.stop, fitted.levels)
             finer = np.linspace(control.start, control.stop, control.levels)
             new |= (
-                not np.isclose(finer[:, None], screen, rtol=EQUAL_LEVELS, atol=0).any(axis=1).all()
+                not np.isclose(finer[:, None], screen, rtol=EQUAL_LEVELS_TOLERANCE, atol=0)
+                .any(axis=1)
+                .all()
             )
         if not new:
-            raise error_at(
+            raise error_at_key(
                 "all its points are the screen's, and no model can be judged by points that it was "
                 "fitted to; give other levels, or leave error_map out to have twice the screen's",
                 "error_map",
@@ -512,19 +528,19 @@ class Study(FilmSections, Header):
         factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
         written = [name for name in (*POLAR, *CARTESIAN) if getattr(positions, name) is not None]
         if written != [*factors]:
-            raise error_at(
+            raise error_at_key(
                 f"on a {shape} they are {' and '.join(map(key_of, factors))}; "
                 f"the keys are {', '.join(map(key_of, written))}",
                 "positions",
             )
         for factor in () if disc else factors:
             if max(getattr(positions, factor)) <= 0:
-                raise error_at(
+                raise error_at_key(
                     "a value must be above 0: the pad moves in x and y",
                     *("positions", key_of(factor)),
                 )
         if not disc and self.paper:
-            raise error_at("the paper's actuator is a disc; it must be false", "paper")
+            raise error_at_key("the paper's actuator is a disc; it must be false", "paper")
 
 
 def _fill_defaults(section: Section, **values: Any) -> None:
@@ -534,13 +550,13 @@ def _fill_defaults(section: Section, **values: Any) -> None:
             setattr(section, name, value)
 
 
-def _reach_m(pad: Pad) -> float:
+def _farthest_edge_m(pad: Pad) -> float:
     """Largest distance of a pad's edge from its centre."""
     half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
     return max(half_x, half_y) if pad.shape == "ellipse" else hypot(half_x, half_y)
 
 
-def _reaches_m(pad: Pad) -> tuple[float, float]:
+def _extents_along_axes_m(pad: Pad) -> tuple[float, float]:
     """Extent of a pad from its centre along the surface's axes."""
     half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
     angle = radians(pad.rotation_deg)
@@ -550,10 +566,10 @@ def _reaches_m(pad: Pad) -> tuple[float, float]:
     return c * half_x + s * half_y, s * half_x + c * half_y
 
 
-def _travel_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
+def _max_travel_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
     """Largest distance that the pad may move one way."""
     if half_m - reach_m <= 1e-6 * reach_m:
-        raise error_at(
+        raise error_at_key(
             f"the pad reaches {reach_m * 1e3:.4g} mm from its centre and the surface ({surface}) "
             f"{half_m * 1e3:.4g} mm: there is no room to move the pad, as the four-factor plan "
             f"does; make one of them fit, or write positions.{key}",

@@ -43,22 +43,22 @@ Indices = NDArray[np.int64]
 Gradients = Callable[[Array], Array]
 """From points, shape (n, k), to derivatives, shape (n, p) or (K, n, p)."""
 
-LEAST_WEIGHT = 1e-9
+MIN_SUPPORT_WEIGHT = 1e-9
 """Weight below which a point is not in the support."""
-SINGULAR_DIAGONAL = 1e-12
+SINGULAR_ROOT_DIAGONAL = 1e-12
 """Diagonal of a triangular factor with columns of length one, below which it is singular."""
-ROUNDS, STEPS = 100, 100
+MAX_WEIGHT_ROUNDS, MAX_WEIGHT_STEPS = 100, 100
 START_UNIFORM, CENTRING, TO_BOUNDARY = 0.1, 0.1, 0.95
 """Of the interior-point method: equal weights in the start, μ over the last one, and the part of
 the way to where a weight or a slack is zero."""
-LEAST_SLACK, LEAST_ACTIVE_WEIGHT = 1e-14, 1e-12
+MIN_SLACK, MIN_ACTIVE_WEIGHT = 1e-14, 1e-12
 """Slack that is left, relative, and the weight that stands for none in further rounds."""
-SAME_POINT = 5e-3
+SAME_DERIVATIVES_DISTANCE = 5e-3
 """Relative distance of derivatives within which points of a support are one."""
-PEAK_ROUNDS, PEAKS = 20, 8
+MAX_PEAK_ROUNDS, PEAKS_CLIMBED = 20, 8
 EXCHANGE_STARTS = 50
 """Of an exchange, from different points."""
-START_INFORMATION = 1e-6
+REGULARISING_INFORMATION = 1e-6
 """Information of an exchange at its start, as a share of the candidates' mean: M is never singular.
 """
 
@@ -79,7 +79,7 @@ class ApproximateDesign:
 
     def on(self, candidates: Array) -> ContinuousDesign:
         """The candidates, shape (n, k), that have a weight."""
-        support = self.weights > LEAST_WEIGHT
+        support = self.weights > MIN_SUPPORT_WEIGHT
         weights = self.weights[support] / self.weights[support].sum()
         return ContinuousDesign(candidates[support], weights, self.efficiency_bound)
 
@@ -105,7 +105,9 @@ def log_determinant(derivatives: ArrayLike, weights: ArrayLike | None = None) ->
 
     Equal weights by default. Minus infinity where M is singular.
     """
-    pivots = np.diagonal(_roots(stacked_derivatives(derivatives), weights), axis1=1, axis2=2)
+    pivots = np.diagonal(
+        _information_roots(stacked_derivatives(derivatives), weights), axis1=1, axis2=2
+    )
     with np.errstate(divide="ignore"):
         return np.asarray(2 * np.log(np.abs(pivots)).sum(axis=1))
 
@@ -117,13 +119,16 @@ def sensitivity(
 
     Equal weights by default. Undefined derivatives give zero. Infinite where M is singular.
     """
-    roots, other = _roots(stacked_derivatives(design), weights), stacked_derivatives(derivatives)
+    roots, other = (
+        _information_roots(stacked_derivatives(design), weights),
+        stacked_derivatives(derivatives),
+    )
     if not roots.any(axis=(1, 2)).all():
         return np.full(other.shape[1], np.inf)
-    return np.asarray(_variances(other, roots).mean(axis=0) / other.shape[2])
+    return np.asarray(_variance_functions(other, roots).mean(axis=0) / other.shape[2])
 
 
-def _roots(f: Array, weights: ArrayLike | None = None) -> Array:
+def _information_roots(f: Array, weights: ArrayLike | None = None) -> Array:
     """Triangular factors R of M = RᵀR, shape (K, p, p); zero where M is singular."""
     layers, points, parameters = f.shape
     if points < parameters:
@@ -131,11 +136,11 @@ def _roots(f: Array, weights: ArrayLike | None = None) -> Array:
     design_weights = np.full(points, 1 / points) if weights is None else np.asarray(weights)
     roots = np.linalg.qr(np.sqrt(design_weights)[:, None] * f, mode="r")
     pivots = np.abs(np.diagonal(roots, axis1=1, axis2=2))
-    singular = np.any(pivots <= SINGULAR_DIAGONAL * np.linalg.norm(roots, axis=1), axis=1)
+    singular = np.any(pivots <= SINGULAR_ROOT_DIAGONAL * np.linalg.norm(roots, axis=1), axis=1)
     return np.where(singular[:, None, None], 0.0, roots)
 
 
-def _variances(f: Array, roots: Array) -> Array:
+def _variance_functions(f: Array, roots: Array) -> Array:
     """Variance functions f'M⁻¹f of every candidate, shape (K, n)."""
     return np.sum((f @ np.linalg.inv(roots)) ** 2, axis=-1)
 
@@ -155,7 +160,7 @@ def optimal_weights(
     f = stacked_derivatives(derivatives)
     layers, points, parameters = f.shape
     prior_weights = np.full(layers, 1 / layers) if prior is None else np.asarray(prior)
-    roots, scale = _roots(f), log_determinant(f)
+    roots, scale = _information_roots(f), log_determinant(f)
     if not np.isfinite(scale).all():
         raise InputError("design: the candidates cannot tell the parameters apart")
     f = f @ np.linalg.inv(roots)  # parameters in which M of equal weights is the identity
@@ -163,15 +168,15 @@ def optimal_weights(
     picks = [qr(layer.T, mode="r", pivoting=True)[1][:parameters] for layer in f]
     weights = np.zeros(points)
     weights[np.unique(np.concatenate(picks))] = 1.0
-    for _ in range(ROUNDS):
+    for _ in range(MAX_WEIGHT_ROUNDS):
         active = np.flatnonzero(weights)
-        best = _best_weights(
+        best = _optimised_weights(
             f[:, active], weights[active] / weights.sum(), prior_weights, gap=gap / 4
         )
-        weights[active] = np.where(best < LEAST_ACTIVE_WEIGHT, 0, best)
+        weights[active] = np.where(best < MIN_ACTIVE_WEIGHT, 0, best)
         weights /= weights.sum()
-        roots = _roots(f[:, active], weights[active])
-        level = prior_weights @ _variances(f, roots) / parameters
+        roots = _information_roots(f[:, active], weights[active])
+        level = prior_weights @ _variance_functions(f, roots) / parameters
         if level.max() <= 1 + gap:
             break
         weights[np.argpartition(level, -parameters)[-parameters:]] += 1e-2
@@ -214,7 +219,7 @@ def maximin_design(derivatives: ArrayLike) -> ApproximateDesign:
     return replace(best, efficiency_bound=float(min(1.0, np.exp(least - ceiling))))
 
 
-def _best_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Array:
+def _optimised_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Array:
     """The best weights of a few points, by a primal-dual interior-point method.
 
     Optimal are weights w with slacks z ≥ 0 of the equivalence theorem, d + z = λ and w z = 0; the
@@ -222,15 +227,15 @@ def _best_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Arra
     """
     parameters = f.shape[2]
     weights = (1 - START_UNIFORM) * weights + START_UNIFORM / len(weights)
-    variances = prior @ _variances(f, _roots(f, weights))
+    variances = prior @ _variance_functions(f, _information_roots(f, weights))
     ceiling = (1 + START_UNIFORM) * variances.max()
     slack = ceiling - variances
-    for _ in range(STEPS):
-        part = f @ np.linalg.inv(_roots(f, weights))
+    for _ in range(MAX_WEIGHT_STEPS):
+        part = f @ np.linalg.inv(_information_roots(f, weights))
         cross = part @ part.transpose(0, 2, 1)
         variances = prior @ np.diagonal(cross, axis1=1, axis2=2)
         left = float(weights @ slack)
-        if variances.max() <= (1 + gap) * parameters and left <= LEAST_SLACK * parameters:
+        if variances.max() <= (1 + gap) * parameters and left <= MIN_SLACK * parameters:
             break
         centred = CENTRING * left / len(weights)
         matrix = np.einsum("k,kij->ij", prior, cross**2) + np.diag(slack / weights)
@@ -257,13 +262,13 @@ def optimal_in_box(
     """
     points_tried, known = candidates, stacked_derivatives(gradients(candidates))
     best, highest = ContinuousDesign(candidates[:0], np.empty(0)), 0.0
-    for _ in range(PEAK_ROUNDS):
+    for _ in range(MAX_PEAK_ROUNDS):
         kept = _merged_support(known, optimal_weights(known, gap=gap / 10).weights)
         points, own = points_tried[kept], known[:, kept]
         design = optimal_weights(own, gap=gap / 10)
         weights = design.weights
         level = sensitivity(own, known, weights=weights)
-        starts = np.concatenate([points, points_tried[np.argsort(level)[-PEAKS:]]])
+        starts = np.concatenate([points, points_tried[np.argsort(level)[-PEAKS_CLIMBED:]]])
         peaks = _sensitivity_maxima(own, weights, gradients, space, starts)
         added = stacked_derivatives(gradients(peaks))
         bound = float(1 / max(1.0, level.max(), sensitivity(own, added, weights=weights).max()))
@@ -282,7 +287,7 @@ def _sensitivity_maxima(
     """The maxima of a design's sensitivity next to points, shape (n, k): all climb at once."""
     unit, shift = np.clip(space.to_unit(starts), 0, 1), 1e-6 * np.eye(starts.shape[1])
 
-    def loss(flat: Array) -> tuple[float, Array]:
+    def negative_sensitivity(flat: Array) -> tuple[float, Array]:
         at = flat.reshape(unit.shape)[:, None]
         above, below = np.minimum(at + shift, 1), np.maximum(at - shift, 0)
         near = np.concatenate([at, above, below], axis=1)
@@ -292,7 +297,7 @@ def _sensitivity_maxima(
         return -float(height.sum()), -((higher - lower) / (above - below).sum(axis=-1)).ravel()
 
     optimum = minimize(
-        loss,
+        negative_sensitivity,
         unit.ravel(),
         jac=True,
         method="L-BFGS-B",
@@ -304,9 +309,11 @@ def _sensitivity_maxima(
 
 def _merged_support(f: Array, weights: Array) -> Indices:
     """The points with a weight, of those of nearly equal derivatives the heaviest."""
-    used = np.argsort(-weights)[: np.count_nonzero(weights > LEAST_WEIGHT)]
-    rows = np.concatenate(f[:, used] @ np.linalg.inv(_roots(f[:, used], weights[used])), axis=1)
-    near = cdist(rows, rows) <= SAME_POINT * np.sqrt(rows.shape[1])
+    used = np.argsort(-weights)[: np.count_nonzero(weights > MIN_SUPPORT_WEIGHT)]
+    rows = np.concatenate(
+        f[:, used] @ np.linalg.inv(_information_roots(f[:, used], weights[used])), axis=1
+    )
+    near = cdist(rows, rows) <= SAME_DERIVATIVES_DISTANCE * np.sqrt(rows.shape[1])
     kept: list[int] = []
     for candidate in range(len(used)):
         if not near[candidate, kept].any():
@@ -346,22 +353,26 @@ def exchange(
     if not np.all(size > 0):
         raise InputError("design: a parameter has no influence on any candidate")
     old = f[:, :0] if existing is None else stacked_derivatives(existing)
-    known, f = _information(old / size), f / size
+    known, f = _information_matrices(old / size), f / size
     positions = np.zeros((f.shape[1], 0)) if coordinates is None else np.asarray(coordinates)
     allowed = np.any(f != 0, axis=(0, 2))
     if existing_coordinates is not None:
         near = cdist(positions, np.asarray(existing_coordinates))
         allowed &= ~np.any(near < max(separation, 1e-9), axis=1)
 
-    def free(chosen: Indices) -> Indices:
+    def candidates_left(chosen: Indices) -> Indices:
         """The candidates that may join the points chosen."""
         far = np.all(cdist(positions, positions[chosen]) >= separation * (1 - 1e-9), axis=1)
         return np.setdiff1d(np.flatnonzero(allowed & far), chosen)
 
-    def grown(chosen: Indices) -> Indices:
+    def add_best_points(chosen: Indices) -> Indices:
         """The points chosen and more that fit in, each time the one with the largest gain."""
-        while len(chosen) < points and len(open_to := free(chosen)):
-            matrix = known + _information(f[:, chosen]) + START_INFORMATION * np.eye(f.shape[2])
+        while len(chosen) < points and len(open_to := candidates_left(chosen)):
+            matrix = (
+                known
+                + _information_matrices(f[:, chosen])
+                + REGULARISING_INFORMATION * np.eye(f.shape[2])
+            )
             others = f[:, open_to]
             gain = np.log1p(np.einsum("kni,kni->kn", others @ np.linalg.inv(matrix), others))
             chosen = np.append(chosen, open_to[np.argmax(gain.mean(axis=0))])
@@ -369,7 +380,7 @@ def exchange(
 
     def log_det(chosen: Indices) -> float:
         """Mean log det of the information; minus infinity where it is singular."""
-        matrix = known + _information(f[:, chosen])
+        matrix = known + _information_matrices(f[:, chosen])
         if np.linalg.cond(matrix).max() > 1e14:
             return -np.inf
         return float(np.linalg.slogdet(matrix)[1].mean())
@@ -380,15 +391,15 @@ def exchange(
         # The first start is greedy from nothing, the others from one or more random points.
         chosen = np.empty(0, dtype=int)
         for _ in range(min(start, points)):
-            if len(open_to := free(chosen)):
+            if len(open_to := candidates_left(chosen)):
                 chosen = np.append(chosen, rng.choice(open_to))
-        chosen = grown(chosen)
+        chosen = add_best_points(chosen)
         most = max(most, len(chosen))
         if len(chosen) < points:
             continue  # these points leave no room for as many
         value, tried = log_det(chosen), 0
         while tried < points:
-            other = grown(chosen[1:])  # the first point for the best one
+            other = add_best_points(chosen[1:])  # the first point for the best one
             tried = 0 if log_det(other) > value + 1e-10 else tried + 1
             value, chosen = (log_det(other), other) if tried == 0 else (value, np.roll(chosen, -1))
         if value > highest:
@@ -403,6 +414,6 @@ def exchange(
     return best
 
 
-def _information(f: Array) -> Array:
+def _information_matrices(f: Array) -> Array:
     """Information matrices FᵀF for each parameter vector, shape (K, p, p)."""
     return np.asarray(f.transpose(0, 2, 1) @ f)

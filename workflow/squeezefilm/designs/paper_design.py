@@ -23,13 +23,13 @@ from squeezefilm.models.search import genetic_search
 SINGULAR_CRITERION = 1e100
 """Value of a criterion where parameters cannot be told apart or points coincide."""
 
-POPULATION, GENERATIONS = 100, 60
-KICK_COUNT = 2
-KICK_SIZE = 0.05
+GENETIC_POPULATION, GENETIC_GENERATIONS = 100, 60
+RANDOM_KICK_COUNT = 2
+RANDOM_KICK_SIZE = 0.05
 """Descents from a design kicked by so much, in unit factors, before a search is believed."""
-EQUAL_CRITERION = 1e-9
+EQUAL_CRITERION_TOLERANCE = 1e-9
 """Share up to which two values of a criterion are one: what rounding makes of a determinant."""
-LINE_SAMPLES = 101
+POINTS_PER_RATIO_LINE = 101
 """Places tried on a line of equally good points."""
 SAME_POINT_DISTANCE = 0.05
 """Distance in unit factors up to which two points are one."""
@@ -93,10 +93,10 @@ class Criterion:
         value = inverse_determinant(self.derivatives(designs))
         if self.distance is not None:
             value = value + inverse_distances(self.distance(designs))
-        far = self.spares(designs).min(axis=-1) >= -1e-9
+        far = self.distances_beyond_separation(designs).min(axis=-1) >= -1e-9
         return np.where(far, np.minimum(value, SINGULAR_CRITERION), SINGULAR_CRITERION)
 
-    def spares(self, designs: Array) -> Array:
+    def distances_beyond_separation(self, designs: Array) -> Array:
         """Distance of each pair of points beyond the separation, shape (..., N(N-1)/2)."""
         if self.apart is None:
             return np.zeros((*designs.shape[:-2], 1))
@@ -129,19 +129,21 @@ def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
         lower=np.zeros(np.prod(shape)),
         upper=np.ones(np.prod(shape)),
         seed=seed,
-        population=POPULATION,
-        first=10 * POPULATION,
-        generations=GENERATIONS,
+        population=GENETIC_POPULATION,
+        first=10 * GENETIC_POPULATION,
+        generations=GENETIC_GENERATIONS,
     )
-    best = descend(criterion, space.from_unit(rough.x.reshape(shape)))
-    for kick in np.random.default_rng(seed).normal(scale=KICK_SIZE, size=(KICK_COUNT, *shape)):
+    best = local_descent(criterion, space.from_unit(rough.x.reshape(shape)))
+    for kick in np.random.default_rng(seed).normal(
+        scale=RANDOM_KICK_SIZE, size=(RANDOM_KICK_COUNT, *shape)
+    ):
         start = space.from_unit(np.clip(space.to_unit(best.points) + kick, 0, 1))
         if float(criterion.value(start)) < SINGULAR_CRITERION:
-            best = min(best, descend(criterion, start), key=lambda design: design.value)
+            best = min(best, local_descent(criterion, start), key=lambda design: design.value)
     return best
 
 
-def descend(criterion: Criterion, points: Array) -> Design:
+def local_descent(criterion: Criterion, points: Array) -> Design:
     """The local optimum near a design, shape (N, k).
 
     Sequential quadratic programming in unit factors, on the logarithm of the criterion, repeated
@@ -155,23 +157,27 @@ def descend(criterion: Criterion, points: Array) -> Design:
             "parameters, a wider box or a smaller separation"
         )
 
-    def designs(unit: Array) -> Array:
+    def designs_of_unit(unit: Array) -> Array:
         return space.from_unit(unit.reshape(*unit.shape[:-1], *points.shape))
 
     # The separation is left to the constraint: a wall in the objective would stop the descent.
     smooth = replace(criterion, apart=None)
 
-    def objective(unit: Array) -> Array:
-        return np.log(smooth.value(designs(unit)) / start)
+    def criterion_value(unit: Array) -> Array:
+        return np.log(smooth.value(designs_of_unit(unit)) / start)
 
-    def spares(unit: Array) -> Array:
-        return criterion.spares(designs(unit))
+    def separation_constraints(unit: Array) -> Array:
+        return criterion.distances_beyond_separation(designs_of_unit(unit))
 
-    apart = {"type": "ineq", "fun": spares, "jac": lambda u: _with_slopes(spares, u)[1]}
+    apart = {
+        "type": "ineq",
+        "fun": separation_constraints,
+        "jac": lambda u: _with_difference_gradient(separation_constraints, u)[1],
+    }
     best, value = np.clip(space.to_unit(points).ravel(), 0, 1), 0.0
     for _ in range(20):
         step = minimize(
-            lambda u: _with_slopes(objective, u),
+            lambda u: _with_difference_gradient(criterion_value, u),
             best,
             jac=True,
             method="SLSQP",
@@ -180,13 +186,13 @@ def descend(criterion: Criterion, points: Array) -> Design:
             options={"ftol": 1e-14, "maxiter": 500},
         )
         unit = np.clip(step.x, 0, 1)
-        fell = value - float(np.log(criterion.value(designs(unit)) / start))
+        fell = value - float(np.log(criterion.value(designs_of_unit(unit)) / start))
         if fell > 0:
             best, value = unit, value - fell
         if fell < 1e-11:
             break
-    designs_found = designs(best)
-    return Design(_sorted(designs_found, space), float(criterion.value(designs_found)))
+    designs_found = designs_of_unit(best)
+    return Design(_points_in_order(designs_found, space), float(criterion.value(designs_found)))
 
 
 def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:
@@ -194,26 +200,28 @@ def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, s
 
     A response that knows two factors by their ratio alone, here named, is the same all along a line
     of equal ratio: the determinant leaves a point free there, and rounding would choose its place.
-    Point by point, of LINE_SAMPLES on its line those are taken at which the criterion is the same,
-    and of them the one with the least sum of inverse distances in unit factors.
+    Point by point, of POINTS_PER_RATIO_LINE on its line those are taken at which the criterion is
+    the same, and of them the one with the least sum of inverse distances in unit factors.
     """
     space = criterion.space
     columns = [space.names.index(name) for name in ratio]
-    low, high = space.ends[:, columns]
+    low, high = space.lower_and_upper_limits[:, columns]
     points = design.points
     for number, point in enumerate(points):
         both = point[columns]
         ends = np.max(low / both), np.min(high / both)
-        scale = np.append(1.0, np.linspace(*ends, LINE_SAMPLES))
+        scale = np.append(1.0, np.linspace(*ends, POINTS_PER_RATIO_LINE))
         trials = np.repeat(points[None], len(scale), axis=0)
         trials[:, number, columns] = np.clip(scale[:, None] * both, low, high)
-        equal = criterion.value(trials) <= design.value * (1 + EQUAL_CRITERION)
+        equal = criterion.value(trials) <= design.value * (1 + EQUAL_CRITERION_TOLERANCE)
         distances = np.where(equal, inverse_distances(space.to_unit(trials)), np.inf)
         points = trials[int(np.argmin(distances))] if equal.any() else points
-    return replace(design, points=_sorted(points, space))
+    return replace(design, points=_points_in_order(points, space))
 
 
-def _with_slopes(function: Callable[[Array], Array], unit: Array) -> tuple[Array, Array]:
+def _with_difference_gradient(
+    function: Callable[[Array], Array], unit: Array
+) -> tuple[Array, Array]:
     """Value, and derivative by differences that stay within [0, 1], in one call of the function.
 
     It takes a stack of arguments.
@@ -226,13 +234,13 @@ def _with_slopes(function: Callable[[Array], Array], unit: Array) -> tuple[Array
     return value[0], (rise.T / width).squeeze()
 
 
-def _sorted(points: Array, space: Space) -> Array:
+def _points_in_order(points: Array, space: Space) -> Array:
     """Points in a fixed order: by the first factor, then the second, and so on."""
     return points[np.lexsort(np.round(space.to_unit(points), 4).T[::-1])]
 
 
 @dataclass(frozen=True, eq=False)
-class Pattern:
+class DesignPattern:
     """Designs that are the same but for the order of their points.
 
     design is the best of them, members are their places among all designs.
@@ -244,15 +252,15 @@ class Pattern:
 
 
 @dataclass(eq=False)
-class Region:
+class SupportPoint:
     """One place in the space of the experiment, shape (k,), and the names of the patterns that have
     a point there, or the word augmentation."""
 
     point: Array
-    origins: list[str]
+    pattern_names: list[str]
 
 
-def find_patterns(designs: Sequence[Design], space: Space) -> list[Pattern]:
+def find_patterns(designs: Sequence[Design], space: Space) -> list[DesignPattern]:
     """Designs gathered into patterns, the best first, named A, B, C ...
 
     Two designs are the same pattern where their points can be paired so that no pair is further
@@ -265,32 +273,34 @@ def find_patterns(designs: Sequence[Design], space: Space) -> list[Pattern]:
         same = (
             best
             for best in groups
-            if _mismatch(points, designs[best].points, space) <= SAME_POINT_DISTANCE
+            if _largest_pair_distance(points, designs[best].points, space) <= SAME_POINT_DISTANCE
         )
         groups.setdefault(next(same, index), []).append(index)
     return [
-        Pattern(chr(ord("A") + number), designs[best], tuple(group))
+        DesignPattern(chr(ord("A") + number), designs[best], tuple(group))
         for number, (best, group) in enumerate(groups.items())
     ]
 
 
-def find_regions(patterns: Sequence[Pattern], space: Space) -> list[Region]:
+def distinct_support_points(patterns: Sequence[DesignPattern], space: Space) -> list[SupportPoint]:
     """The distinct points of all patterns, each with the patterns it occurs in.
 
     Of points that are one the first pattern's is kept.
     """
-    regions: list[Region] = []
+    regions: list[SupportPoint] = []
     for pattern in patterns:
         for point in pattern.design.points:
             gaps = [np.linalg.norm(space.to_unit(point) - space.to_unit(r.point)) for r in regions]
             if min(gaps, default=np.inf) > SAME_POINT_DISTANCE:
-                regions.append(Region(point, [pattern.name]))
-            elif pattern.name not in (near := regions[int(np.argmin(gaps))]).origins:
-                near.origins.append(pattern.name)
+                regions.append(SupportPoint(point, [pattern.name]))
+            elif pattern.name not in (near := regions[int(np.argmin(gaps))]).pattern_names:
+                near.pattern_names.append(pattern.name)
     return regions
 
 
-def augment(criterion: Criterion, regions: Sequence[Region], points: int) -> list[Region]:
+def add_corner_points(
+    criterion: Criterion, regions: Sequence[SupportPoint], points: int
+) -> list[SupportPoint]:
     """Regions extended to so many points, each time by the corner with the least criterion.
 
     The points given stay where they are. A free point would settle next to one that is there
@@ -312,11 +322,11 @@ def augment(criterion: Criterion, regions: Sequence[Region], points: int) -> lis
         values = spaced.value(trials)
         if values.min() >= SINGULAR_CRITERION:
             raise InputError(f"design: no corner is left for one of {points} points; ask for fewer")
-        extended.append(Region(candidates[int(np.argmin(values))], ["augmentation"]))
+        extended.append(SupportPoint(candidates[int(np.argmin(values))], ["augmentation"]))
     return extended
 
 
-def _mismatch(points: Array, others: Array, space: Space) -> float:
+def _largest_pair_distance(points: Array, others: Array, space: Space) -> float:
     """Largest distance within pairs of points of two designs, paired by least squares."""
     if len(points) != len(others):
         return float("inf")

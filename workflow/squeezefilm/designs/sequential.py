@@ -46,11 +46,11 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit, sum_of_squares
 from squeezefilm.models.force_model import ExpressionModel
 
-Simulate = Callable[[Indices], tuple[Array, Array]]
+SimulatePoints = Callable[[Indices], tuple[Array, Array]]
 """From points of the pool to their forces and the errors of these, in newtons."""
 
 CONFIDENCE_LEVEL = 0.95
-NUMERICAL_ERROR_RATIO = 3.0
+MAX_FLOOR_OVER_ERROR = 3.0
 """A misfit below so many times the simulations' own error may come from them."""
 
 
@@ -67,7 +67,7 @@ class Pool:
     coordinates: Array
     candidates: Indices
     verification: Indices
-    typical: Indices
+    fair_sample: Indices
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +115,7 @@ class Outcome:
 
 
 @dataclass
-class Sequential:
+class SequentialDesign:
     """The loop: forces of the pool's points, NaN where none is known, and fits to some.
 
     settings is the section ``refine`` of a study; its separation, the least distance between two
@@ -126,7 +126,7 @@ class Sequential:
     model: ExpressionModel
     pool: Pool
     settings: Refine
-    simulate: Simulate
+    simulate: SimulatePoints
     bound: float
     force_n: Array = field(init=False)
     error_n: Array = field(init=False)
@@ -138,11 +138,11 @@ class Sequential:
     def parameters(self) -> int:
         return len(self.model.parameter_names)
 
-    def measure(self, points: Indices) -> None:
+    def simulate_points(self, points: Indices) -> None:
         """Simulate points of the pool."""
         self.force_n[points], self.error_n[points] = self.simulate(points)
 
-    def fitted(self, points: Indices, *starts: Array | None) -> Array:
+    def fitted_theta(self, points: Indices, *starts: Array | None) -> Array:
         """The least-squares parameters of some points from several starts, None a global search."""
         factors, force = self.pool.factors.take(points), self.force_n[points]
         best, least = np.empty(0), np.inf
@@ -171,7 +171,7 @@ class Sequential:
 
     def scale(self, theta: Array) -> float:
         """Root mean square force over the space, by the model."""
-        force = self.model.evaluate(theta, self.pool.factors.take(self.pool.typical))
+        force = self.model.evaluate(theta, self.pool.factors.take(self.pool.fair_sample))
         known = force[np.isfinite(force)]
         return float(np.sqrt(np.mean(known**2))) if len(known) else nan
 
@@ -220,7 +220,7 @@ class Sequential:
         )
         return np.asarray(pool.candidates[chosen])
 
-    def estimated(
+    def round_estimates(
         self, number: int, design: Indices, theta: Array, hindsight: Array, surprise: Array
     ) -> Round:
         """The round's estimates; surprise are errors at the newest points before their fit."""
@@ -235,7 +235,7 @@ class Sequential:
         # Of a design that does not settle the parameters nothing is known but the errors seen.
         settled = np.isfinite(spread).all()
         lack = float(np.sqrt(np.mean(misses**2 / (1 + spread)))) if settled else nan
-        pool_points = np.concatenate([self.pool.candidates, self.pool.typical])
+        pool_points = np.concatenate([self.pool.candidates, self.pool.fair_sample])
         variance = self.variances(theta, design, pool_points)
         at = int(np.argmax(variance))
         known = isfinite(variance[at]) and isfinite(lack)
@@ -271,7 +271,7 @@ class Sequential:
                 f"global error {last.global_error:.2g}, below {last.global_upper:.2g} with 95 %; "
                 f"worst error {last.worst_error:.2g}"
             )
-        numerical = last.floor <= NUMERICAL_ERROR_RATIO * last.simulation_error
+        numerical = last.floor <= MAX_FLOOR_OVER_ERROR * last.simulation_error
         what = "simulation" if numerical else "model"
         if last.simulations > parameters and last.floor > settings.worst_error:
             return what, (
@@ -305,7 +305,7 @@ class Sequential:
         spare = len(checks) - len(start)
         if spare < 1:
             return 0.0
-        squares = float(np.sum(self.residuals(self.fitted(checks, start), checks) ** 2))
+        squares = float(np.sum(self.residuals(self.fitted_theta(checks, start), checks) ** 2))
         mean_square = squares / float(stats.chi2.ppf(CONFIDENCE_LEVEL, spare))
         return float(np.sqrt(mean_square / np.mean(self.force_n[checks] ** 2)))
 
@@ -316,19 +316,19 @@ class Sequential:
         parameters apart.
         """
         design, rounds = self.first_points(), list[Round]()
-        self.measure(np.concatenate([self.pool.verification, design]))
+        self.simulate_points(np.concatenate([self.pool.verification, design]))
         start, surprise = None, np.empty(0)
         while True:
             simulated = np.concatenate([self.pool.verification, design])
-            theta = self.fitted(design, start)
-            hindsight = self.fitted(simulated, theta)
-            done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
+            theta = self.fitted_theta(design, start)
+            hindsight = self.fitted_theta(simulated, theta)
+            done = self.round_estimates(len(rounds) + 1, design, theta, hindsight, surprise)
             verdict, reason = self.verdict(done, hindsight)
             if verdict in ("model", "simulation") and len(theta):
                 # The fit may sit in a local minimum: only a global search shows that none is lower.
-                hindsight = self.fitted(simulated, hindsight, None)
-                theta = self.fitted(design, theta, hindsight)
-                done = self.estimated(len(rounds) + 1, design, theta, hindsight, surprise)
+                hindsight = self.fitted_theta(simulated, hindsight, None)
+                theta = self.fitted_theta(design, theta, hindsight)
+                done = self.round_estimates(len(rounds) + 1, design, theta, hindsight, surprise)
                 verdict, reason = self.verdict(done, hindsight)
             rounds.append(done)
             report(done)
@@ -340,6 +340,6 @@ class Sequential:
             if verdict:
                 force_n, scale_n = self.force_n[simulated], self.scale(hindsight)
                 return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, scale_n)
-            self.measure(added)
+            self.simulate_points(added)
             design = np.concatenate([design, added])
             start, surprise = theta, self.residuals(theta, added)

@@ -17,10 +17,10 @@ from squeezefilm.film.positions import POLAR
 Array = NDArray[np.float64]
 Coordinates = Callable[[Array], Array]
 
-PER_METRE = {"micrometre": 1e6, "metre": 1.0}
+UNITS_PER_METRE = {"micrometre": 1e6, "metre": 1.0}
 
 
-def everywhere(points: Array) -> NDArray[np.bool_]:
+def all_points_allowed(points: Array) -> NDArray[np.bool_]:
     """The mask of a space all of which can be simulated."""
     return np.ones(len(points), dtype=bool)
 
@@ -36,7 +36,7 @@ class Space:
     """
 
     limits: dict[str, tuple[float, float]]
-    allowed: Callable[[Array], NDArray[np.bool_]] = everywhere
+    allowed: Callable[[Array], NDArray[np.bool_]] = all_points_allowed
     position: tuple[str, str] = POLAR
 
     def __post_init__(self) -> None:
@@ -61,18 +61,18 @@ class Space:
         }
 
     @property
-    def ends(self) -> Array:
+    def lower_and_upper_limits(self) -> Array:
         """The lower and the upper limits, shape (2, k)."""
         return np.transpose(list(self.limits.values()))
 
     def to_unit(self, points: ArrayLike) -> Array:
         """Points, shape (..., k), with each factor scaled to [0, 1]."""
-        low, high = self.ends
+        low, high = self.lower_and_upper_limits
         return np.asarray((np.asarray(points, dtype=float) - low) / (high - low))
 
     def from_unit(self, unit: ArrayLike) -> Array:
         """The inverse of to_unit; the ends of [0, 1] give the limits exactly."""
-        (low, high), unit = self.ends, np.asarray(unit, dtype=float)
+        (low, high), unit = self.lower_and_upper_limits, np.asarray(unit, dtype=float)
         return np.asarray(low * (1 - unit) + high * unit)
 
     def levels(self, count: int) -> Array:
@@ -105,14 +105,14 @@ class Space:
         """
         from scipy.stats import qmc  # slow to import, and only needed here
 
-        return self._drawn(points, qmc.Halton(len(self.limits), rng=seed).random)
+        return self._allowed_sample(points, qmc.Halton(len(self.limits), rng=seed).random)
 
     def independent_sample(self, points: int, *, seed: int) -> Array:
         """Independent points, uniform over the factors' limits; those not allowed are excluded."""
         random = np.random.default_rng(seed)
-        return self._drawn(points, lambda count: random.random((count, len(self.limits))))
+        return self._allowed_sample(points, lambda count: random.random((count, len(self.limits))))
 
-    def _drawn(self, points: int, draw: Callable[[int], Array]) -> Array:
+    def _allowed_sample(self, points: int, draw: Callable[[int], Array]) -> Array:
         kept = np.empty((0, len(self.limits)))
         for _ in range(100):
             drawn = self.from_unit(draw(points))
@@ -137,12 +137,12 @@ def coordinates(scaling: str, space: Space) -> Coordinates:
         position = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
         return np.concatenate([space.to_unit(points)[..., :2], position], axis=-1)
 
-    if scaling in PER_METRE:
-        return lambda points: np.asarray(points, dtype=float) * PER_METRE[scaling]
+    if scaling in UNITS_PER_METRE:
+        return lambda points: np.asarray(points, dtype=float) * UNITS_PER_METRE[scaling]
     return as_scenes if scaling == "scene" and space.names[2:] == POLAR else space.to_unit
 
 
-_pairs = cache(partial(np.triu_indices, k=1))
+_pair_indices = cache(partial(np.triu_indices, k=1))
 
 
 def pair_distances(points: ArrayLike) -> Array:
@@ -151,5 +151,5 @@ def pair_distances(points: ArrayLike) -> Array:
     points are in the coordinates that distances are taken in.
     """
     points = np.asarray(points, dtype=float)
-    i, j = _pairs(points.shape[-2])
+    i, j = _pair_indices(points.shape[-2])
     return np.linalg.norm(points[..., i, :] - points[..., j, :], axis=-1)

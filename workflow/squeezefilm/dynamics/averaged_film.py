@@ -38,13 +38,13 @@ from squeezefilm.solution import Solution
 # Step of a difference quotient of the layer's functions, relative to ε.
 LAYER_DIFFERENCE_STEP = 1e-5
 # Unknowns along each side of the grids that are tried, and what the next must gain.
-GRID_POINTS = (11, 15, 21, 31)
-ERROR_RATIO = 0.9
+GRID_POINT_COUNTS = (11, 15, 21, 31)
+MIN_ERROR_REDUCTION_RATIO = 0.9
 # Of the periodic states' forces that those of settled films are compared with.
-PERIODIC_TOLERANCE = 1e-4
+PERIODIC_FORCE_TOLERANCE = 1e-4
 
 
-def _slope(value: Callable[[float], Any]) -> Any:
+def _difference_quotient(value: Callable[[float], Any]) -> Any:
     """Central difference quotient of ``value`` at 1."""
     return (value(1 + LAYER_DIFFERENCE_STEP) - value(1 - LAYER_DIFFERENCE_STEP)) / (
         2 * LAYER_DIFFERENCE_STEP
@@ -74,7 +74,7 @@ class AveragedFilm:
     @property
     def layer_thickness(self) -> float:
         """Thickness of the edge's layer over the pad's size, about."""
-        return float(np.sqrt(self.grid.slowest_rate / self.sigma))
+        return float(np.sqrt(self.grid.slowest_decay_rate / self.sigma))
 
     def edge_w(self, epsilon: float) -> np.ndarray:
         """w on the edge's nodes, in the order of all nodes."""
@@ -88,7 +88,7 @@ class AveragedFilm:
             values = values + u / np.sqrt(self.layer_number) / 2
         return np.asarray(grid.edge_to_nodes @ values)
 
-    def field(self, inside: np.ndarray, on_edge: np.ndarray) -> np.ndarray:
+    def field_on_all_nodes(self, inside: np.ndarray, on_edge: np.ndarray) -> np.ndarray:
         """A field on all nodes from its parts."""
         field = np.empty(self.grid.inner.size, dtype=inside.dtype)
         field[self.grid.inner], field[~self.grid.inner] = inside, on_edge
@@ -101,13 +101,13 @@ class AveragedFilm:
     def mean(self, psi: np.ndarray, epsilon: float) -> float:
         """Mean gauge pressure over pad and period at an amplitude, in units of p0."""
         within = self.grid.weights @ (psi / self._mean_gap_factor(epsilon) - 1)
-        return float(within) + self._layer(epsilon)
+        return float(within) + self._edge_layer_correction(epsilon)
 
-    def settled(self, epsilon: float) -> np.ndarray:
+    def steady_w(self, epsilon: float) -> np.ndarray:
         """Steady w at a constant amplitude: ∇²w = 0, shape (nodes,)."""
         on_edge = self.edge_w(epsilon)
-        inside = np.linalg.solve(self.grid.inside, -self.grid.from_edge(on_edge))
-        return self.field(inside, on_edge)
+        inside = np.linalg.solve(self.grid.inside, -self.grid.laplacian_of_edge_values(on_edge))
+        return self.field_on_all_nodes(inside, on_edge)
 
     def response(self, modulation: np.ndarray) -> np.ndarray:
         """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
@@ -118,9 +118,9 @@ class AveragedFilm:
     @cached_property
     def _amplitude_derivatives(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Return ψ, ∂w/∂ln ε on the film edge, and the instantaneous ∂⟨p⟩/∂ln ε."""
-        epsilon, psi = self.epsilon, self.density(self.settled(self.epsilon))
-        on_edge = _slope(lambda ratio: self.edge_w(epsilon * ratio))
-        return psi, on_edge, _slope(lambda ratio: self.mean(psi, epsilon * ratio))
+        epsilon, psi = self.epsilon, self.density(self.steady_w(self.epsilon))
+        on_edge = _difference_quotient(lambda ratio: self.edge_w(epsilon * ratio))
+        return psi, on_edge, _difference_quotient(lambda ratio: self.mean(psi, epsilon * ratio))
 
     def stiffness(self, modulation: np.ndarray, lag: float = 0.0) -> np.ndarray:
         """Stiffness −∂⟨p⟩/∂ln h0 at constant hv, in units of p0.
@@ -137,16 +137,16 @@ class AveragedFilm:
     @cached_property
     def _gap_derivatives(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Return ψ, ∂w/∂ln h0 on the film edge, and the instantaneous ∂⟨p⟩/∂ln h0."""
-        epsilon, psi = self.epsilon, self.density(self.settled(self.epsilon))
-        on_edge = _slope(
+        epsilon, psi = self.epsilon, self.density(self.steady_w(self.epsilon))
+        on_edge = _difference_quotient(
             lambda ratio: ratio**2 * self.with_thicker_gap(ratio).edge_w(epsilon / ratio)
         )
-        at_once = _slope(
+        at_once = _difference_quotient(
             lambda ratio: self.with_thicker_gap(ratio).mean(psi / ratio, epsilon / ratio)
         )
         return psi, on_edge, at_once
 
-    def free_motion(self, *, slow: float, scale: float) -> np.ndarray:
+    def free_motion_exponents(self, *, slow: float, scale: float) -> np.ndarray:
         """All exponents λ of free motion exp(λT) of a mass on the film, in units of ω, complex.
 
         The roots of λ² + slow + scale (K(−iλ) − K(0)) = 0, K that of ``stiffness``, as eigenvalues:
@@ -163,7 +163,7 @@ class AveragedFilm:
         grid = self.grid
         psi, on_edge, _ = self._gap_derivatives
         mobility = (psi + self.slip)[grid.inner]
-        at_rest = np.linalg.solve(grid.inside, -grid.from_edge(on_edge))
+        at_rest = np.linalg.solve(grid.inside, -grid.laplacian_of_edge_values(on_edge))
         of_mean = grid.weights / self._mean_gap_factor(self.epsilon)
         count = len(mobility)
         matrix = np.zeros((count + 2, count + 2))
@@ -192,7 +192,7 @@ class AveragedFilm:
 
         δψ exp(iΩT): iΩσ δψ = ∇·(∇((ψ + 6 Kn) δψ)/(1 + iΩ lag)), with δw known on the edge.
         """
-        grid, driven = self.grid, -self.grid.from_edge(on_edge)
+        grid, driven = self.grid, -self.grid.laplacian_of_edge_values(on_edge)
         mobility = psi + self.slip
         weight = 1 / (mobility * self._mean_gap_factor(self.epsilon))
         changes = []
@@ -201,7 +201,9 @@ class AveragedFilm:
             if np.isfinite(omega):  # else the gas does not move
                 rate = 1j * omega * (1 + 1j * omega * lag)
                 shift = np.diag(rate * self.sigma / mobility[grid.inner])
-                change = self.field(np.linalg.solve(grid.inside - shift, driven), on_edge)
+                change = self.field_on_all_nodes(
+                    np.linalg.solve(grid.inside - shift, driven), on_edge
+                )
                 by_flow = grid.weights @ (change * weight)
             changes.append(at_once + complex(by_flow))
         return np.array(changes)
@@ -217,7 +219,7 @@ class AveragedFilm:
         """
         from scipy.integrate import odeint  # slow to import, and only needed here
 
-        settled = self.density(self.settled(epsilon))
+        settled = self.density(self.steady_w(epsilon))
         inner, inside = self.grid.inner, self.grid.inside / self.sigma
         final = settled[inner]
         mobility = final + self.slip
@@ -239,19 +241,19 @@ class AveragedFilm:
         fields = np.repeat(settled[None], len(times), axis=0)
         fields[:, inner] += solution
         densities = fields / self._mean_gap_factor(epsilon) - 1
-        return np.asarray(densities @ self.grid.weights + self._layer(epsilon))
+        return np.asarray(densities @ self.grid.weights + self._edge_layer_correction(epsilon))
 
     def _mean_gap_factor(self, epsilon: float) -> np.ndarray:
         return np.asarray(np.sqrt(1 - epsilon**2 * np.abs(self.grid.s) ** 2))
 
-    def _layer(self, epsilon: float) -> float:
+    def _edge_layer_correction(self, epsilon: float) -> float:
         if not self.layer:
             return 0.0
         d, _ = edge_layer.layer_integrals(epsilon * np.abs(self.grid.edge_s))
         return float(self.grid.edge_weights @ d / np.sqrt(self.layer_number))
 
 
-def unsupported(scene: Scene) -> str:
+def unsupported_reason(scene: Scene) -> str:
     """Return the reason why a scene's response is not supported, or an empty text."""
     if not scene.pad.gap.flat:
         return "the response was derived for a gap that is uniform at rest, not tilted or crowned"
@@ -272,16 +274,18 @@ def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
     A finer grid is taken as long as it makes the error smaller by a tenth.
     """
     best = averaged_film_on(scene)
-    for points in GRID_POINTS[1:]:
+    for points in GRID_POINT_COUNTS[1:]:
         finer = averaged_film_on(scene, points)
-        if not finer[1] < ERROR_RATIO * best[1]:
+        if not finer[1] < MIN_ERROR_REDUCTION_RATIO * best[1]:
             break
         best = finer
     return best
 
 
-@lru_cache(maxsize=len(GRID_POINTS))
-def averaged_film_on(scene: Scene, points: int = GRID_POINTS[0]) -> tuple[AveragedFilm, float]:
+@lru_cache(maxsize=len(GRID_POINT_COUNTS))
+def averaged_film_on(
+    scene: Scene, points: int = GRID_POINT_COUNTS[0]
+) -> tuple[AveragedFilm, float]:
     """The averaged film on one grid, and its relative error at rest.
 
     The error is that of the settled force: of a rectangle by the edge layer's expansion, of other
@@ -312,17 +316,19 @@ def _difference_to_periodic(film: AveragedFilm, scene: Scene) -> float:
     8/3 of its change from half the amplitude.
     """
     errors = []
-    for periodic, epsilon in zip(_periodic(scene), (film.epsilon, film.epsilon / 2), strict=True):
+    for periodic, epsilon in zip(
+        _periodic_forces(scene), (film.epsilon, film.epsilon / 2), strict=True
+    ):
         if not np.isfinite(periodic.force_n):
             return inf
-        force_n = film.mean(film.density(film.settled(epsilon)), epsilon) * scene.force_scale_n
+        force_n = film.mean(film.density(film.steady_w(epsilon)), epsilon) * scene.force_scale_n
         errors.append(force_n / periodic.force_n - 1)
-    return abs(errors[0]) + 8 / 3 * abs(errors[0] - errors[1]) + PERIODIC_TOLERANCE
+    return abs(errors[0]) + 8 / 3 * abs(errors[0] - errors[1]) + PERIODIC_FORCE_TOLERANCE
 
 
 @lru_cache(maxsize=16)
-def _periodic(scene: Scene) -> list[Solution]:
+def _periodic_forces(scene: Scene) -> list[Solution]:
     """Forces of the periodic states at a scene's amplitude and at half of that."""
     viscous = scene.viscous()
     scenes = [replace(viscous, hv_m=share * scene.hv_m) for share in (1.0, 0.5)]
-    return list(solve(scenes, tolerance=PERIODIC_TOLERANCE))
+    return list(solve(scenes, tolerance=PERIODIC_FORCE_TOLERANCE))

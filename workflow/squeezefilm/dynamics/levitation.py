@@ -17,67 +17,67 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from squeezefilm.dynamics.averaged_film import (
-    GRID_POINTS,
+    GRID_POINT_COUNTS,
     AveragedFilm,
     averaged_film_of,
     averaged_film_on,
-    unsupported,
+    unsupported_reason,
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.film.validity import GAPS_M, OK, exceeded_limits, validities
+from squeezefilm.film.validity import GAP_RANGE_M, OK, exceeded_limits, validities
 from squeezefilm.formatting import scene_row
 from squeezefilm.lazy import pd
-from squeezefilm.parallel import progress_of
+from squeezefilm.parallel import report_progress
 from squeezefilm.quantities.model_error import (
     AUTO_TERMS,
     ErrorBudget,
     budget_row,
     error_budgets,
-    excluded_terms,
     resolve_auto_terms,
+    unsupported_auto_terms,
 )
-from squeezefilm.quantities.outputs import negative_slopes
+from squeezefilm.quantities.outputs import negative_force_slopes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import notes_of
+from squeezefilm.reynolds.terms import validity_notes
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from squeezefilm.tables import read_forces
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
 # ratios.
-LARGEST_EXCURSION, LEAST_EXCURSION, GAPS_TRIED = 0.97, 1e-3, 48
-LOOK_TOLERANCE = 1e-2
+MAX_TRIAL_EXCURSION, MIN_TRIAL_EXCURSION, TRIAL_GAP_COUNT = 0.97, 1e-3, 48
+TRIAL_FORCE_TOLERANCE = 1e-2
 # Relative error of the forces by which a gap is sought before it is refined.
-ROUGH_TOLERANCE = 1e-3
-MOST_STEPS = 40
+ROUGH_FORCE_TOLERANCE = 1e-3
+MAX_ROOT_STEPS = 40
 # Change of ln h0 in a step, and the force over the load that stands for smaller ones.
-LARGEST_MOVE, LEAST_FORCE_OVER_LOAD = 0.2, 1e-6
+MAX_LOG_GAP_STEP, MIN_FORCE_OVER_LOAD = 0.2, 1e-6
 # A gap is not given where its modelling error is more than this fraction of it.
-MOST_MODELLING_ERROR = 0.1
+MAX_RELATIVE_MODELLING_ERROR = 0.1
 # Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
-EFFECTS_GROWTH = 2.0
+EFFECTS_GROWTH_EXPONENT = 2.0
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
-MOST_AVERAGING_ERROR = 0.2
+MAX_AVERAGED_FORCE_ERROR = 0.2
 # Loads and amplitudes over the range of a table of forces.
-TABLE_LOADS, TABLE_AMPLITUDES = 8, 4
+TABLE_LOAD_COUNT, TABLE_AMPLITUDE_COUNT = 8, 4
 # Free oscillations are given up to this share of the vibration's frequency: on discs (σ 60–3000, ε
 # 0.05–0.8) stiffness there was within 1.5 % of the full equation's.
-MOST_OSCILLATION = 0.3
+MAX_RESONANCE_OVER_VIBRATION = 0.3
 # Error of the averaged film's stiffness in p0 over ε², |s|/ω and the edge layer's thickness: twice
 # what the worst of those discs needed up to there.
-AVERAGING_FACTOR = 2.0
+STIFFNESS_AVERAGING_FACTOR = 2.0
 # The same by inertia of the vibrating gas, over ε², the layer's thickness and Re/10: about twice
 # what discs needed (Re 1–7, σ 300–2000, ε 0.15–0.3; tests/numerics/ring_down.py).
-INERTIA_FACTOR = 6.0
+STIFFNESS_INERTIA_FACTOR = 6.0
 # Excursion ratio that stands for none, and the steps to a root of the equation of motion.
-TINY_EPSILON = 1e-6
-ROOT_STEP, ROOT_PRECISION = 1e-3, 1e-6
+NEARLY_ZERO_EPSILON = 1e-6
+FIRST_ROOT_STEP, ROOT_PRECISION = 1e-3, 1e-6
 # Relative change of that root from one grid to the next: what is fine, and what is no answer.
-ROOT_TOLERANCE, MOST_ROOT_ERROR = 1e-3, 0.1
+ROOT_GRID_TOLERANCE, MAX_ROOT_GRID_ERROR = 1e-3, 0.1
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
-LEAST_OSCILLATION = 1e-3
+MIN_OSCILLATING_FRACTION = 1e-3
 NO_VALID_GAP = "at this amplitude no gap is within the limits of validity"
 OVERDAMPED_STATUS = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
 
@@ -117,10 +117,10 @@ class Levitation:
 
         Each end is wider by what that misses at second order. NaN where an effect is unknown.
         """
-        lower, upper = (self._moved_m(bound) for bound in self.budget.modelling_error_percent)
+        lower, upper = (self._gap_change_m(bound) for bound in self.budget.modelling_error_percent)
         return lower - self.second_order_m(lower), upper + self.second_order_m(upper)
 
-    def _moved_m(self, percent: float) -> float:
+    def _gap_change_m(self, percent: float) -> float:
         """Change of the gap, in metres, by a change of the force in per cent."""
         return percent / 100 * self.force_n / abs(self.stiffness_n_per_m)
 
@@ -131,15 +131,18 @@ class Levitation:
         that grow with h² twice that square more.
         """
         steepness = abs(self.stiffness_n_per_m) * self.scene.h0_m / abs(self.force_n)
-        return (EFFECTS_GROWTH + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
+        return (EFFECTS_GROWTH_EXPONENT + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
 
     @property
     def invalidity_reasons(self) -> list[str]:
         """Return the reasons why the gap is not valid for a real film; empty where it is."""
         reasons = list(exceeded_limits(self.scene))
-        error_m = abs(self._moved_m(self.budget.known_error_percent))
+        error_m = abs(self._gap_change_m(self.budget.known_error_percent))
         error_m += self.second_order_m(error_m)
-        if self.budget.status == "ok" and not error_m <= MOST_MODELLING_ERROR * self.scene.h0_m:
+        if (
+            self.budget.status == "ok"
+            and not error_m <= MAX_RELATIVE_MODELLING_ERROR * self.scene.h0_m
+        ):
             reasons.append(
                 f"the gap's modelling error, up to {1e6 * error_m:.2g} µm, is more than a tenth of "
                 "the gap"
@@ -169,13 +172,13 @@ def levitate(
     # Terms that such a look can do without are not included.
     gaps_m = _trial_gaps(scene)
     looked_at = _scenes_at_gaps(scene.viscous(), *gaps_m)
-    forces_n = solve(looked_at, tolerance=LOOK_TOLERANCE, device=device).force_n
+    forces_n = solve(looked_at, tolerance=TRIAL_FORCE_TOLERANCE, device=device).force_n
     known = np.isfinite(forces_n)
     gaps, forces = gaps_m[known], forces_n[known]
     above = forces >= load_n
     # Between neighbouring gaps at which the force falls to the load, rising.
     crossed = np.flatnonzero(above[:-1] & ~above[1:])
-    rough = [_gap_between(gaps[k : k + 2], forces[k : k + 2], load_n) for k in crossed]
+    rough = [_interpolated_gap_m(gaps[k : k + 2], forces[k : k + 2], load_n) for k in crossed]
     if not rough:
         carried = "none"
         if known.any():
@@ -184,8 +187,9 @@ def levitate(
                 f"{lowest:.2g} to {highest:.2g} N, roughly, without inertia and thermal effects"
             )
         raise InputError(
-            f"load: no gap from {_micrometres(gaps_m[0])} to {_micrometres(gaps_m[-1])} carries "
-            f"{load_n:g} N at hv = {_micrometres(scene.hv_m)}; forces there: {carried}"
+            f"load: no gap from {_in_micrometres(gaps_m[0])} to {_in_micrometres(gaps_m[-1])} "
+            f"carries "
+            f"{load_n:g} N at hv = {_in_micrometres(scene.hv_m)}; forces there: {carried}"
         )
     near = replace(scene, h0_m=rough[-1].gap_m)
     # Terms are decided for this gap and kept: the force must not jump while the gap is sought.
@@ -202,7 +206,7 @@ def levitate(
         except RunError as error:
             name = next((n for n in open_ if getattr(chosen.gas, n) == "included"), None)
             if name is None:
-                reasons = "; ".join([str(error), *notes_of(chosen)])
+                reasons = "; ".join([str(error), *validity_notes(chosen)])
                 raise RunError(reasons) from error
             not_included[name] = str(error).removeprefix("load: ")
             chosen = chosen.with_gas(**{name: "none"})
@@ -210,12 +214,12 @@ def levitate(
     budget = ErrorBudget(status="outside the limits of validity")
     if not exceeded_limits(levitation.scene):
         (budget,) = error_budgets([levitation.scene], device=device)
-    notes = excluded_terms(near, method=method)
+    notes = unsupported_auto_terms(near, method=method)
     for name, reason in not_included.items():
         unknown = name in budget.unknown
         effect = "its effect is unknown" if unknown else "its effect is in the modelling error"
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
-    stretched = notes_of(levitation.scene)
+    stretched = validity_notes(levitation.scene)
     levitation = replace(
         levitation,
         other_gaps_m=tuple(other.gap_m for other in rough[:-1]),
@@ -266,21 +270,21 @@ def valid_range_text(
         replace(decided[int(k)], h0_m=float(gap_m))
         for k, gap_m in zip(nearest, gaps_m, strict=True)
     ]
-    rough = max(tolerance, LOOK_TOLERANCE)
+    rough = max(tolerance, TRIAL_FORCE_TOLERANCE)
     forces_n = solve(at_gaps, tolerance=rough, method=method, device=device).force_n
     with np.errstate(invalid="ignore"):
         valid = (np.gradient(forces_n, gaps_m) < 0) & (forces_n > 0)
     valid &= validities(Scenes.of(at_gaps)) == OK
     if not valid.any():
         return NO_VALID_GAP
-    gaps, loads = (_range_within(values[valid]) for values in (1e6 * gaps_m, forces_n))
+    gaps, loads = (_range_rounded_inwards(values[valid]) for values in (1e6 * gaps_m, forces_n))
     return (
         f"at this amplitude the limits of validity hold for gaps of about {gaps} µm, loads of "
         f"about {loads} N"
     )
 
 
-def _range_within(values: np.ndarray) -> str:
+def _range_rounded_inwards(values: np.ndarray) -> str:
     """Return the range of some positive values, its ends rounded inwards to two digits."""
     low, high = float(values.min()), float(values.max())
     low_digit, high_digit = (10.0 ** (floor(log10(end)) - 1) for end in (low, high))
@@ -298,22 +302,26 @@ def _gap_at_load(
     A gap outside the limits of validity stays rough, and its stiffness is not known.
     """
     tolerance = how["tolerance"]
-    rough = how | {"tolerance": max(tolerance, ROUGH_TOLERANCE)}
+    rough = how | {"tolerance": max(tolerance, ROUGH_FORCE_TOLERANCE)}
 
-    def excess(gap_m: float, how: dict[str, Any]) -> float:
+    def log_force_over_load(gap_m: float, how: dict[str, Any]) -> float:
         """Return ln(force/load)."""
         (solution,) = solve(_scenes_at_gaps(scene, gap_m), **how)
-        force_n = float(_known_or_raise(solution.force_n, gap_m, solution.status))
-        return log(max(force_n / load_n, LEAST_FORCE_OVER_LOAD))
+        force_n = float(_require_known(solution.force_n, gap_m, solution.status))
+        return log(max(force_n / load_n, MIN_FORCE_OVER_LOAD))
 
-    found = _root(partial(excess, how=rough), start, precision=ROUGH_TOLERANCE / 10)
+    found = _gap_of_zero_excess(
+        partial(log_force_over_load, how=rough), start, precision=ROUGH_FORCE_TOLERANCE / 10
+    )
     # The gap may lie anywhere here; where all of it is outside, none is given and these show why.
-    ends = (1 + ROUGH_TOLERANCE * np.array([-1, 1])) * found.gap_m
+    ends = (1 + ROUGH_FORCE_TOLERANCE * np.array([-1, 1])) * found.gap_m
     if all(map(exceeded_limits, _scenes_at_gaps(scene, *ends))):
         return Levitation(replace(scene, h0_m=found.gap_m), load_n, nan, nan, nan)
-    h0_m = _root(partial(excess, how=how), found, precision=tolerance).gap_m
-    values, (status,) = negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
-    force_n, error_n, stiffness, stiffness_error = _known_or_raise(
+    h0_m = _gap_of_zero_excess(
+        partial(log_force_over_load, how=how), found, precision=tolerance
+    ).gap_m
+    values, (status,) = negative_force_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
+    force_n, error_n, stiffness, stiffness_error = _require_known(
         values[:, 0], h0_m, status
     ).tolist()
     return Levitation(
@@ -325,9 +333,9 @@ def _gap_at_load(
     )
 
 
-def _known_or_raise(values: Any, gap_m: float, status: str) -> Any:
+def _require_known(values: Any, gap_m: float, status: str) -> Any:
     if not np.isfinite(values).all():
-        raise RunError(f"load: no force near h0 = {_micrometres(gap_m)}: {status}")
+        raise RunError(f"load: no force near h0 = {_in_micrometres(gap_m)}: {status}")
     return values
 
 
@@ -337,14 +345,14 @@ def _scenes_at_gaps(scene: Scene, *gaps_m: float) -> list[Scene]:
 
 def _trial_gaps(scene: Scene) -> np.ndarray:
     """Return rising gaps, from near contact on."""
-    least = max(scene.hv_m / LARGEST_EXCURSION, GAPS_M[0])
-    most = min(scene.hv_m / LEAST_EXCURSION, GAPS_M[1])
+    least = max(scene.hv_m / MAX_TRIAL_EXCURSION, GAP_RANGE_M[0])
+    most = min(scene.hv_m / MIN_TRIAL_EXCURSION, GAP_RANGE_M[1])
     gap = scene.pad.gap
     if not gap.flat:
         x, y = scene.inside()
         excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
-        least = max(least, float((excursion_m / LARGEST_EXCURSION - gap.rise_m(x, y)).max()))
-    return np.geomspace(least, max(least, most), GAPS_TRIED)
+        least = max(least, float((excursion_m / MAX_TRIAL_EXCURSION - gap.rise_m(x, y)).max()))
+    return np.geomspace(least, max(least, most), TRIAL_GAP_COUNT)
 
 
 class GapAndSteepness(NamedTuple):
@@ -354,15 +362,15 @@ class GapAndSteepness(NamedTuple):
     steepness: float
 
 
-def _gap_between(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float) -> GapAndSteepness:
+def _interpolated_gap_m(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float) -> GapAndSteepness:
     """Return the gap at a load between two, at which the force is above and below it."""
-    more, less = np.log(np.maximum(forces_n / load_n, LEAST_FORCE_OVER_LOAD)).tolist()
+    more, less = np.log(np.maximum(forces_n / load_n, MIN_FORCE_OVER_LOAD)).tolist()
     far = log(gaps_m[1] / gaps_m[0])
     steepness = (more - less) / far
     return GapAndSteepness(float(gaps_m[0]) * exp(more / steepness), steepness)
 
 
-def _root(
+def _gap_of_zero_excess(
     excess: Callable[[float], float], start: GapAndSteepness, *, precision: float
 ) -> GapAndSteepness:
     """Return the gap at which ``excess``, ln(force/load), is 0, to a relative precision.
@@ -371,23 +379,23 @@ def _root(
     """
     gap_m, steepness = start
     last_m, before = gap_m, nan
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_ROOT_STEPS):
         value = excess(gap_m)
         apart = log(gap_m / last_m)
         # Of nearer gaps the quotient shows the forces' errors.
-        if abs(apart) > ROUGH_TOLERANCE:
+        if abs(apart) > ROUGH_FORCE_TOLERANCE:
             steepness = (before - value) / apart
         last_m, before = gap_m, value
         # Where the force rises with the gap, on towards where it falls to the load.
-        move = value / steepness if steepness > 0 else copysign(LARGEST_MOVE, value)
-        move = min(max(move, -LARGEST_MOVE), LARGEST_MOVE)
+        move = value / steepness if steepness > 0 else copysign(MAX_LOG_GAP_STEP, value)
+        move = min(max(move, -MAX_LOG_GAP_STEP), MAX_LOG_GAP_STEP)
         gap_m *= exp(move)
         if abs(move) <= precision:
             return GapAndSteepness(gap_m, steepness)
-    raise RunError(f"load: the gap near {_micrometres(start.gap_m)} was not found")
+    raise RunError(f"load: the gap near {_in_micrometres(start.gap_m)} was not found")
 
 
-def _micrometres(length_m: float) -> str:
+def _in_micrometres(length_m: float) -> str:
     return f"{1e6 * length_m:.4g} µm"
 
 
@@ -428,35 +436,36 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     if not levitation.stable:
         return Resonance(reason="no resonance: not stable")
     settled = scene.viscous()
-    if reason := unsupported(settled):
-        return _unknown(reason)
+    if reason := unsupported_reason(settled):
+        return _unknown_resonance(reason)
     film, error = averaged_film_of(settled)
-    if error > MOST_AVERAGING_ERROR:
-        return _unknown(f"the averaged film's settled force is in error by {error:.0%}")
+    if error > MAX_AVERAGED_FORCE_ERROR:
+        return _unknown_resonance(f"the averaged film's settled force is in error by {error:.0%}")
     unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
     slow, scale = levitation.stiffness_n_per_m / unit, scene.force_scale_n / scene.h0_m / unit
-    roots = film.free_motion(slow=slow, scale=scale)
-    oscillations = roots[roots.imag > LEAST_OSCILLATION * abs(roots)]
+    roots = film.free_motion_exponents(slow=slow, scale=scale)
+    oscillations = roots[roots.imag > MIN_OSCILLATING_FRACTION * abs(roots)]
     if not oscillations.size:
         return Resonance(reason=OVERDAMPED_STATUS)
     lag = LAG_PER_REYNOLDS * scene.modified_reynolds * (scene.gas.inertia == "included")
     motion = {"slow": slow, "scale": scale, "lag": lag}
-    root, slope = _root_of_motion(film, complex(min(oscillations, key=abs)), **motion)
+    root, slope = _exponent_of_motion(film, complex(min(oscillations, key=abs)), **motion)
     moved = inf
     # The layer of gas that the motion moves at the edge is thinner than a settled film needs.
-    finer = GRID_POINTS[GRID_POINTS.index(film.grid.points) + 1 :]
-    for points in finer or GRID_POINTS[-2:-1]:
+    finer = GRID_POINT_COUNTS[GRID_POINT_COUNTS.index(film.grid.points) + 1 :]
+    for points in finer or GRID_POINT_COUNTS[-2:-1]:
         film, _ = averaged_film_on(settled, points)
-        previous, (root, slope) = root, _root_of_motion(film, root, **motion)
+        previous, (root, slope) = root, _exponent_of_motion(film, root, **motion)
         moved = abs(root - previous)
-        if not moved > ROOT_TOLERANCE * abs(root):
+        if not moved > ROOT_GRID_TOLERANCE * abs(root):
             break
-    if not moved <= MOST_ROOT_ERROR * abs(root):
-        return _unknown("no root of the equation of motion was found")
-    if abs(root) > MOST_OSCILLATION:
-        most_hz = MOST_OSCILLATION * scene.actuator.frequency_hz
-        return _unknown(
-            f"it is faster than {most_hz:.3g} Hz, {MOST_OSCILLATION:g} of the vibration's frequency"
+    if not moved <= MAX_ROOT_GRID_ERROR * abs(root):
+        return _unknown_resonance("no root of the equation of motion was found")
+    if abs(root) > MAX_RESONANCE_OVER_VIBRATION:
+        most_hz = MAX_RESONANCE_OVER_VIBRATION * scene.actuator.frequency_hz
+        return _unknown_resonance(
+            f"it is faster than {most_hz:.3g} Hz, {MAX_RESONANCE_OVER_VIBRATION:g} of the "
+            f"vibration's frequency"
         )
     error = scale * _stiffness_error(film, scene, root, lag, slow / scale)
     error += levitation.stiffness_error_n_per_m / unit
@@ -469,23 +478,23 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     )
 
 
-def _root_of_motion(
+def _exponent_of_motion(
     film: AveragedFilm, start: complex, *, slow: float, scale: float, lag: float
 ) -> tuple[complex, complex]:
     """A root of the equation of motion near ``start``, and the equation's slope; NaN for none.
 
-    By the secant method; numbers as of ``AveragedFilm.free_motion``.
+    By the secant method; numbers as of ``AveragedFilm.free_motion_exponents``.
     """
     (at_rest,) = film.stiffness(np.zeros(1))
 
-    def excess(s: complex) -> complex:
+    def equation_of_motion(s: complex) -> complex:
         (stiffness,) = film.stiffness(np.array([s / 1j]), lag)
         return complex(s**2 + slow + scale * (stiffness - at_rest))
 
-    previous, root = start * (1 + ROOT_STEP), start
-    before = excess(previous)
-    for _ in range(MOST_STEPS):
-        left = excess(root)
+    previous, root = start * (1 + FIRST_ROOT_STEP), start
+    before = equation_of_motion(previous)
+    for _ in range(MAX_ROOT_STEPS):
+        left = equation_of_motion(root)
         slope = (left - before) / (root - previous)
         previous, before, root = root, left, root - left / slope
         if abs(root - previous) <= ROOT_PRECISION * abs(root):
@@ -493,9 +502,9 @@ def _root_of_motion(
     return complex(nan), complex(nan)
 
 
-def averaging_error(epsilon: float, rate: Any, layer_thickness: float) -> Any:
+def stiffness_averaging_error(epsilon: float, rate: Any, layer_thickness: float) -> Any:
     """Error of the averaged film's K(s) − K(0), in units of p0, at a rate |s|/ω."""
-    return AVERAGING_FACTOR * epsilon**2 * layer_thickness * rate
+    return STIFFNESS_AVERAGING_FACTOR * epsilon**2 * layer_thickness * rate
 
 
 def _stiffness_error(
@@ -508,15 +517,15 @@ def _stiffness_error(
         slow: stiffness of slow motion.
     """
     rates = np.array([0.0, root / 1j])
-    rest = replace(film, epsilon=TINY_EPSILON)
+    rest = replace(film, epsilon=NEARLY_ZERO_EPSILON)
     stiffness, by_motion = film.stiffness(rates, lag), rest.stiffness(rates, lag)
     excursion = film.epsilon * float(np.abs(film.grid.s).max())
-    averaging = averaging_error(excursion, abs(root), film.layer_thickness)
+    averaging = stiffness_averaging_error(excursion, abs(root), film.layer_thickness)
     # What the vibration adds is in error by about as much as it is in slow motion, and inertia of
     # the gas that it moves changes the layer at the edge.
     by_vibration = abs(np.diff(stiffness - by_motion)[0])
     vibration = abs(slow / stiffness[0] - 1) * by_vibration
-    vibration += INERTIA_FACTOR * excursion**2 * film.layer_thickness * lag
+    vibration += STIFFNESS_INERTIA_FACTOR * excursion**2 * film.layer_thickness * lag
     # The gas is up to so much denser where it keeps its temperature (mean over the gap).
     gas = scene.gas
     heated = gas.prandtl * scene.modified_reynolds * abs(root) / 12
@@ -524,7 +533,7 @@ def _stiffness_error(
     return float(averaging + vibration + heat)
 
 
-def _unknown(reason: str) -> Resonance:
+def _unknown_resonance(reason: str) -> Resonance:
     return Resonance(reason=f"resonance not known: {reason}")
 
 
@@ -559,13 +568,13 @@ def loads_of_forces(path: str) -> tuple[list[float], list[float]]:
     known = table.loc[table["force_n"] > 0, "force_n"]
     if known.empty:
         raise InputError(f"{path}: has no force above 0")
-    loads_n = np.geomspace(known.min(), known.max(), TABLE_LOADS)
+    loads_n = np.geomspace(known.min(), known.max(), TABLE_LOAD_COUNT)
     levels = np.sort(table["hv_m"].unique())
-    level_rows = np.linspace(0, len(levels) - 1, TABLE_AMPLITUDES).round().astype(int)
+    level_rows = np.linspace(0, len(levels) - 1, TABLE_AMPLITUDE_COUNT).round().astype(int)
     return loads_n.tolist(), list(dict.fromkeys(levels[level_rows].tolist()))
 
 
-def levitations(
+def levitation_rows(
     scenes: Sequence[Scene],
     loads_n: Sequence[float],
     *,
@@ -580,7 +589,7 @@ def levitations(
         scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
         mass_kg: that floats, for its resonance.
     """
-    with progress_of(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
+    with report_progress(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
         for scene, load_n in product(scenes, loads_n):
             row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
             try:
@@ -605,7 +614,7 @@ def levitations(
 
 
 def levitation_table(rows: Iterable[dict[str, object]], *, resonances: bool) -> pd.DataFrame:
-    """A table of ``levitations``, without the columns of scenes and error budgets."""
+    """A table of ``levitation_rows``, without the columns of scenes and error budgets."""
     columns = ["load_n", "hv_m", *LEVITATION_COLUMNS, "h0_measurement_noise_m", "status", "note"]
     columns += RESONANCE_COLUMNS if resonances else ()
     return pd.DataFrame(rows).reindex(columns=columns)

@@ -11,17 +11,17 @@ import numpy as np
 from squeezefilm.film.outline import POLAR_COORDINATES, Outline
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import axisymmetric
-from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
+from squeezefilm.reynolds.asymptotics.edge_layer import weights_with_ends
 from squeezefilm.reynolds.asymptotics.films import Films
 from squeezefilm.reynolds.spectral import axis, period, radius
 
 # Nodes around an outline for each one along a line through its middle.
-NODES_AROUND = 2
+NODES_AROUND_PER_NODE_ACROSS = 2
 # Of the slowest mode's rate, and the steps in which it is found.
-RATE_PRECISION, MOST_RATE_STEPS = 1e-10, 100
+RATE_PRECISION, MAX_RATE_STEPS = 1e-10, 100
 
 
-class Amplitude(Protocol):
+class AmplitudeFunction(Protocol):
     """Profile at positions in [0, 1] across the pad."""
 
     def __call__(self, x: np.ndarray, y: np.ndarray) -> np.ndarray: ...
@@ -57,25 +57,25 @@ class PadGrid:
         """∇² of fields that are zero on the edge, (inner, inner)."""
         return self.laplacian[:, self.inner]
 
-    def from_edge(self, on_edge: np.ndarray) -> np.ndarray:
+    def laplacian_of_edge_values(self, on_edge: np.ndarray) -> np.ndarray:
         """∇² at the inner nodes of values on the edge's nodes that are zero inside, (inner,)."""
         return np.asarray(self.laplacian[:, ~self.inner] @ on_edge)
 
     @property
-    def edge_motion(self) -> float:
+    def edge_motion_ratio(self) -> float:
         """Mean of |s|² along the edge over that of the pad."""
         around = self.edge_weights @ np.abs(self.edge_s) ** 2 / self.edge_weights.sum()
         return float(around / (self.weights @ np.abs(self.s) ** 2))
 
     @cached_property
-    def slowest_rate(self) -> float:
+    def slowest_decay_rate(self) -> float:
         """The least eigenvalue of −∇² for fields that are zero on the edge, by inverse iteration.
 
         A film at rest forgets in 1/that of σ/ω.
         """
         inverse, rate = np.linalg.inv(-self.inside), 0.0
         mode = np.ones(len(inverse))
-        for _ in range(MOST_RATE_STEPS):
+        for _ in range(MAX_RATE_STEPS):
             previous, mode = rate, inverse @ mode
             rate = 1 / float(np.abs(mode).max())
             mode *= rate
@@ -110,7 +110,7 @@ def rectangle_grid(films: Films) -> PadGrid:
         s=films.s[0].ravel(),
         inner=inner,
         laplacian=(along_x + along_y)[inner],
-        weights=np.outer(all_weights(films.x_axis), all_weights(films.y_axis)).ravel(),
+        weights=np.outer(weights_with_ends(films.x_axis), weights_with_ends(films.y_axis)).ravel(),
         edge_s=films.edge_profile[0],
         edge_slope=films.slope[0],
         edge_weights=films.edge_integral(np.eye(len(node_of_edge))),
@@ -118,11 +118,11 @@ def rectangle_grid(films: Films) -> PadGrid:
     )
 
 
-def disc_grid(amplitude: Amplitude, points: int) -> PadGrid:
+def disc_grid(amplitude: AmplitudeFunction, points: int) -> PadGrid:
     """The nodes along the radius of a disc whose profile has no angle: twice as many, cheaply."""
     line = radius(points + 1)
-    near, far = _halves(line.divergence @ line.derivative)
-    slope_near, slope_far = _halves(line.derivative)
+    near, far = _matrix_halves(line.divergence @ line.derivative)
+    slope_near, slope_far = _matrix_halves(line.derivative)
     slope = slope_near[-1] + slope_far[-1]
     across = line.all_nodes[line.points + 1 :]
     s = amplitude(*POLAR_COORDINATES.positions(across, np.zeros_like(across)))
@@ -141,25 +141,25 @@ def disc_grid(amplitude: Amplitude, points: int) -> PadGrid:
     )
 
 
-def outline_grid(outline: Outline, amplitude: Amplitude, points: int) -> PadGrid:
+def outline_grid(outline: Outline, amplitude: AmplitudeFunction, points: int) -> PadGrid:
     """The nodes μ > 0, ν of an outline's coordinates (film/outline.py): f(−μ, ν) = f(μ, −ν)."""
-    line, angle = axis(points + 1, False), period(NODES_AROUND * (points + 1))
+    line, angle = axis(points + 1, False), period(NODES_AROUND_PER_NODE_ACROSS * (points + 1))
     unit = 2 * outline.edge_mu
     across, nu = np.meshgrid(line.all_nodes[len(line.all_nodes) // 2 :], angle.nodes, indexing="ij")
-    stretch = outline.stretch(unit * (across - 0.5), nu)
+    stretch = outline.area_ratio(unit * (across - 0.5), nu)
     s = amplitude(*outline.positions(across.ravel(), nu.ravel())).reshape(across.shape)
     mirrored = -np.arange(angle.points) % angle.points
-    near, far = _halves(line.derivative @ line.derivative)
+    near, far = _matrix_halves(line.derivative @ line.derivative)
     around, same = angle.derivative @ angle.derivative, np.eye(angle.points)
     laplacian = (np.kron(near, same) + np.kron(far, same[mirrored])) / unit**2
     laplacian += np.kron(np.eye(len(near)), around)
     inside = np.ones(across.shape, dtype=bool)
     inside[-1] = False
     inner = inside.ravel()
-    slope_near, slope_far = _halves(line.derivative)
+    slope_near, slope_far = _matrix_halves(line.derivative)
     slope = (slope_near[-1] @ s + slope_far[-1] @ s[:, mirrored]) / unit
     length, step = np.sqrt(stretch[-1]), 2 * np.pi / angle.points
-    weights = all_weights(line)[len(across) :, None] * unit * step * stretch / outline.area
+    weights = weights_with_ends(line)[len(across) :, None] * unit * step * stretch / outline.area
     return PadGrid(
         points=points,
         s=s.ravel(),
@@ -173,7 +173,7 @@ def outline_grid(outline: Outline, amplitude: Amplitude, points: int) -> PadGrid
     )
 
 
-def _halves(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _matrix_halves(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Parts of a matrix on all nodes for the second half: by its values and by the first's."""
     half = len(matrix) // 2
     return matrix[half:, half:], matrix[half:, half - 1 :: -1]

@@ -14,38 +14,38 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from squeezefilm.dynamics.averaged_film import (
-    GRID_POINTS,
+    GRID_POINT_COUNTS,
     AveragedFilm,
     averaged_film_of,
     averaged_film_on,
-    unsupported,
+    unsupported_reason,
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import exceeded_limits, validity
 from squeezefilm.lazy import pd
-from squeezefilm.parallel import progress_of
-from squeezefilm.quantities.outputs import negative_slopes
+from squeezefilm.parallel import report_progress
+from squeezefilm.quantities.outputs import negative_force_slopes
 from squeezefilm.reynolds.device import Device
 
 # Relative error of the settled force up to which the slow film's numbers are given.
-MOST_SLOW_ERROR = 0.03
+MAX_AVERAGED_FORCE_ERROR = 0.03
 # Error of a gain by the period-averaged equation, per square of the frequencies' ratio: about
 # twice what the worst of 19 random films needed (ε 0.05–0.85, σ 130–8000, aspects 0.6–2.5).
-AVERAGING_ERROR = 2.0
+GAIN_AVERAGING_FACTOR = 2.0
 # The same by the edge's layer, which does not follow at once, per ratio of the frequencies,
 # thickness of the layer and motion of the edge: 1.2 times what the worst of strips and discs under
 # pistons and sincs needed (ε 0.05–0.8, σ 60–3000).
-LAYER_LAG_ERROR = 1.5
+GAIN_LAYER_LAG_FACTOR = 1.5
 # Modulations are slow up to this share of the vibration's frequency.
-MOST_MODULATION = 0.1
+MAX_MODULATION_OVER_VIBRATION = 0.1
 # What is left of the way when a film counts as settled.
 SETTLED_FRACTION = 0.05
 STEP_INSTANTS = 240
 # Tolerance of the forces whose quotients are gains: their errors count fifty times in one.
-GAIN_TOLERANCE = 1e-4
+GAIN_FORCE_TOLERANCE = 1e-4
 # Terms of the gas that the averaged film neglects.
-NEGLECTED_EFFECTS = ("inertia", "thermal")
+NEGLECTED_GAS_TERMS = ("inertia", "thermal")
 # Numbers of a response whose change by a neglected effect is said, by what their columns call them.
 SLIP_CHANGE_COLUMNS = {
     "gain": "static_gain",
@@ -84,7 +84,7 @@ class Response(NamedTuple):
     error: float
 
 
-def gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
+def modulation_gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
     """Relative change of a scene's force per small relative change of the amplitude.
 
     Returns:
@@ -97,14 +97,17 @@ def gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
     """
     film, error = _averaged_film(scene)
     modulations = np.asarray(frequency_hz, dtype=float) / scene.actuator.frequency_hz
-    averaging = AVERAGING_ERROR * modulations**2
-    averaging += LAYER_LAG_ERROR * modulations * film.layer_thickness * film.grid.edge_motion
-    slow = (modulations > 0) & (modulations <= MOST_MODULATION)
+    averaging = GAIN_AVERAGING_FACTOR * modulations**2
+    averaging += (
+        GAIN_LAYER_LAG_FACTOR * modulations * film.layer_thickness * film.grid.edge_motion_ratio
+    )
+    slow = (modulations > 0) & (modulations <= MAX_MODULATION_OVER_VIBRATION)
     gain = np.full(len(modulations), complex(nan, nan))
     gain[slow] = film.response(modulations[slow])
     fast = (
         f"a modulation's frequency must lie above 0 and up to "
-        f"{MOST_MODULATION * scene.actuator.frequency_hz:g} Hz, a tenth of the vibration's"
+        f"{MAX_MODULATION_OVER_VIBRATION * scene.actuator.frequency_hz:g} Hz, a tenth of the "
+        f"vibration's"
     )
     return pd.DataFrame(
         {
@@ -117,13 +120,13 @@ def gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
     )
 
 
-def steps_of(scene: Scene) -> pd.DataFrame:
+def start_and_stop_forces(scene: Scene) -> pd.DataFrame:
     """The mean force at times after start from rest and after stop of a scene's vibration.
 
     By the slow film: what lies within two periods of the vibration is no more than a direction.
     Raises RunError saying why the scene is not supported.
     """
-    time, rising, falling = _steps(_averaged_film(scene)[0])
+    time, rising, falling = _start_and_stop_pressures(_averaged_film(scene)[0])
     return pd.DataFrame(
         {
             "time_s": time / scene.actuator.angular_frequency_rad_per_s,
@@ -139,39 +142,40 @@ def response(scene: Scene) -> Response:
     Raises RunError saying why the scene is not supported.
     """
     film, _ = _averaged_film(scene)
-    return _response(scene, film.grid.points)
+    return _response_on_grid(scene, film.grid.points)
 
 
 def _averaged_film(scene: Scene) -> tuple[AveragedFilm, float]:
-    if reason := unsupported(scene):
+    if reason := unsupported_reason(scene):
         raise RunError(f"not supported: {reason}")
     film, error = averaged_film_of(scene)
-    if error > MOST_SLOW_ERROR:
+    if error > MAX_AVERAGED_FORCE_ERROR:
         raise RunError(
             "not supported: the period-averaged equation is not accurate enough (error of its "
-            f"settled force: {100 * error:.2g} %, at most {100 * MOST_SLOW_ERROR:g} % is allowed)"
+            f"settled force: {100 * error:.2g} %, at most {100 * MAX_AVERAGED_FORCE_ERROR:g} % "
+            f"is allowed)"
         )
     return film, error
 
 
 @lru_cache(maxsize=10_000)
-def _response(scene: Scene, points: int) -> Response:
+def _response_on_grid(scene: Scene, points: int) -> Response:
     """Response by the film on one grid; cached, for the effect of slip mostly needs it too."""
     film, error = averaged_film_on(scene, points)
     static, prompt = film.response(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s
-    time, rising, falling = _steps(film)
-    settled = film.mean(film.density(film.settled(film.epsilon)), film.epsilon)
+    time, rising, falling = _start_and_stop_pressures(film)
+    settled = film.mean(film.density(film.steady_w(film.epsilon)), film.epsilon)
     two_periods_s = 2 / scene.actuator.frequency_hz
     return Response(
         static_gain=float(static),
         instantaneous_gain=float(prompt),
         corner_hz=_corner_modulation(film, static, prompt) * scene.actuator.frequency_hz,
         instantaneous_fraction=float(rising[0] / settled),
-        settling_start_s=_crossing(time, np.abs(rising / settled - 1)) / rate,
+        settling_start_s=_settling_time(time, np.abs(rising / settled - 1)) / rate,
         settling_start_error_s=two_periods_s,
         lasting_fraction=float(falling[0] / settled),
-        settling_stop_s=_crossing(time, np.abs(falling / settled)) / rate,
+        settling_stop_s=_settling_time(time, np.abs(falling / settled)) / rate,
         settling_stop_error_s=two_periods_s,
         error=error,
     )
@@ -181,27 +185,27 @@ def _corner_modulation(film: AveragedFilm, static: float, prompt: float) -> floa
     """Modulation, in units of ω, at which |gain − prompt| has fallen by 3 dB."""
     from scipy.optimize import brentq  # slow to import, and only needed here
 
-    def above(exponent: float) -> float:
+    def gain_above_corner(exponent: float) -> float:
         (gain,) = film.response(np.array([np.exp(exponent)]))
         return float(abs(gain - prompt) - abs(static - prompt) / np.sqrt(2))
 
-    guess = np.log(film.grid.slowest_rate / film.sigma)
-    return float(np.exp(brentq(above, guess - 6, guess + 6, rtol=1e-6)))
+    guess = np.log(film.grid.slowest_decay_rate / film.sigma)
+    return float(np.exp(brentq(gain_above_corner, guess - 6, guess + 6, rtol=1e-6)))
 
 
-def _steps(film: AveragedFilm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _start_and_stop_pressures(film: AveragedFilm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times T and the mean gauge pressure in p0 after start and stop, each (n,).
 
     From a thousandth of the slowest mode's decay time to twenty times that.
     """
-    slowest = film.sigma / film.grid.slowest_rate
+    slowest = film.sigma / film.grid.slowest_decay_rate
     time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, STEP_INSTANTS))
-    settled = film.density(film.settled(film.epsilon))
+    settled = film.density(film.steady_w(film.epsilon))
     rising = film.pressure_after_amplitude_jump(np.ones_like(settled), film.epsilon, time)
     return time, rising, film.pressure_after_amplitude_jump(settled, 0.0, time)
 
 
-def _crossing(time: np.ndarray, left: np.ndarray) -> float:
+def _settling_time(time: np.ndarray, left: np.ndarray) -> float:
     """Return the last time at which the fraction SETTLED_FRACTION is crossed, by interpolation of
     its logarithm.
     """
@@ -216,48 +220,52 @@ def _crossing(time: np.ndarray, left: np.ndarray) -> float:
     return float(time[last] + fraction * (time[last + 1] - time[last]))
 
 
-def slow_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> np.ndarray:
+def quasi_static_gains(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> np.ndarray:
     """Relative change of the force per relative change of the amplitude, and its error: (n, 2).
 
     By difference quotients of forces; the scenes' terms must be decided. NaN where an amplitude
     within 2 % has no force.
     """
-    within = min(tolerance, GAIN_TOLERANCE)
-    (force, error, fall, off), _ = negative_slopes(scenes, "hv_m", tolerance=within, device=device)
+    within = min(tolerance, GAIN_FORCE_TOLERANCE)
+    (force, error, fall, off), _ = negative_force_slopes(
+        scenes, "hv_m", tolerance=within, device=device
+    )
     hv_m = np.array([scene.hv_m for scene in scenes])
     gain = -fall * hv_m / force
     return np.stack([gain, np.abs(gain) * error / np.abs(force) + off * hv_m / force], axis=-1)
 
 
-def neglected(
+def neglected_percent(
     scenes: Sequence[Scene], *, tolerance: float, device: Device
 ) -> list[dict[str, float]]:
     """Changes in % of the scenes' responses by what the averaged film neglects, by columns.
 
-    Of the gain of slow modulation with each of NEGLECTED_EFFECTS, NaN where a force is not found.
+    Of the gain of slow modulation with each of NEGLECTED_GAS_TERMS, NaN where a force is not found.
     Of SLIP_CHANGE_COLUMNS with first-order slip, from the slow equation with and without it on the
     coarsest
     grid: 0 where the scene has slip, NaN above the Knudsen numbers that it is meant for.
     """
-    choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED_EFFECTS)]
+    choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED_GAS_TERMS)]
     with_choices = [scene.viscous().with_gas(**choice) for scene in scenes for choice in choices]
-    gains_and_errors = slow_gains(with_choices, tolerance=tolerance, device=device)
+    gains_and_errors = quasi_static_gains(with_choices, tolerance=tolerance, device=device)
     gain, error = gains_and_errors.reshape(len(scenes), len(choices), 2).T
     rows = []
     for k, scene in enumerate(scenes):
-        row = _slip_changes(scene)
-        for name, with_it, off in zip(NEGLECTED_EFFECTS, gain[1:, k], error[1:, k], strict=True):
+        row = _slip_changes_percent(scene)
+        for name, with_it, off in zip(NEGLECTED_GAS_TERMS, gain[1:, k], error[1:, k], strict=True):
             row[f"{name}_gain_percent"] = 100 * (with_it / gain[0, k] - 1)
             row[f"{name}_gain_error_percent"] = 100 * (off + error[0, k]) / gain[0, k]
         rows.append(row)
     return rows
 
 
-def _slip_changes(scene: Scene) -> dict[str, float]:
+def _slip_changes_percent(scene: Scene) -> dict[str, float]:
     slipping = scene.with_gas(rarefaction="slip")
     if exceeded_limits(slipping, symbols=("Kn",)):
         return {f"slip_{what}_percent": nan for what in SLIP_CHANGE_COLUMNS}
-    before, after = (_response(film_scene, GRID_POINTS[0]) for film_scene in (scene, slipping))
+    before, after = (
+        _response_on_grid(film_scene, GRID_POINT_COUNTS[0]) for film_scene in (scene, slipping)
+    )
     return {
         f"slip_{what}_percent": 100 * (getattr(after, name) / getattr(before, name) - 1)
         for what, name in SLIP_CHANGE_COLUMNS.items()
@@ -271,22 +279,24 @@ def responses(
     unknown = {name: [nan] for name in Response._fields}
     found = _joined_rows(table, scenes, lambda scene: pd.DataFrame([response(scene)]), unknown)
     known = np.flatnonzero(found["status"] == "ok").tolist()
-    changes = neglected([scenes[k] for k in known], tolerance=tolerance, device=device)
+    changes = neglected_percent([scenes[k] for k in known], tolerance=tolerance, device=device)
     return pd.concat([found, pd.DataFrame(changes, index=known)], axis=1)
 
 
-def all_gains(
+def gain_table(
     table: pd.DataFrame, scenes: Sequence[Scene], frequency_hz: np.ndarray
 ) -> pd.DataFrame:
     """The table with a row for each scene and frequency: gain and phase."""
     unknown = {"frequency_hz": frequency_hz, "gain": nan, "phase_deg": nan, "error": nan}
-    return _joined_rows(table, scenes, partial(gains, frequency_hz=frequency_hz), unknown)
+    return _joined_rows(
+        table, scenes, partial(modulation_gains, frequency_hz=frequency_hz), unknown
+    )
 
 
-def all_steps(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
+def start_and_stop_table(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """The table with a row for each scene and time: the mean force after start and stop."""
     unknown = {name: [nan] for name in ("time_s", "rising_n", "falling_n")}
-    return _joined_rows(table, scenes, steps_of, unknown)
+    return _joined_rows(table, scenes, start_and_stop_forces, unknown)
 
 
 def _joined_rows(
@@ -300,7 +310,7 @@ def _joined_rows(
     What is unknown stands there with the reason as its ``status`` where nothing is found.
     """
     rows = []
-    with progress_of(len(scenes), unit="scene", name="response") as bar:
+    with report_progress(len(scenes), unit="scene", name="response") as bar:
         for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
             row["validity"] = validity(scene.viscous())
             try:

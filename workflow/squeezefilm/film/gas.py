@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 
-from squeezefilm.sections import SECTION_KEYS, Number, TermSetting, error_at, key_of
+from squeezefilm.sections import SECTION_KEYS, BoundedNumber, TermSetting, error_at_key, key_of
 
 AIR_LIKE_DEVIATION = 0.05
 """By how much a written viscosity may differ, relative, from that of the gas that is named."""
@@ -58,20 +58,20 @@ class Gas:
 
     __pydantic_config__ = SECTION_KEYS
 
-    viscosity_pa_s: Annotated[float, Number("Pa s", 1e-7, 100)] = 1.81e-5
-    ambient_pressure_pa: Annotated[float, Number("Pa", 1, 1e9)] = 101325.0
-    density_kg_per_m3: Annotated[float, Number("kg/m³", 1e-6, 1e5)] = 1.204
-    mean_free_path_m: Annotated[float, Number("m", 1e-12, 1)] = 64.948e-9
+    viscosity_pa_s: Annotated[float, BoundedNumber("Pa s", 1e-7, 100)] = 1.81e-5
+    ambient_pressure_pa: Annotated[float, BoundedNumber("Pa", 1, 1e9)] = 101325.0
+    density_kg_per_m3: Annotated[float, BoundedNumber("kg/m³", 1e-6, 1e5)] = 1.204
+    mean_free_path_m: Annotated[float, BoundedNumber("m", 1e-12, 1)] = 64.948e-9
     rarefaction: Literal["none", "slip", "fukui-kaneko"] = "none"
-    slip_coefficient: Annotated[float, Number("1", 0.1, 100)] = 1.0
-    polytropic_exponent: Annotated[float, Number("1", 1, 1.67)] = 1.0
+    slip_coefficient: Annotated[float, BoundedNumber("1", 0.1, 100)] = 1.0
+    polytropic_exponent: Annotated[float, BoundedNumber("1", 1, 1.67)] = 1.0
     inertia: TermSetting = "auto"
     thermal: TermSetting = "auto"
-    prandtl: Annotated[float, Number("1", 1e-3, 1000)] = 0.71
-    heat_capacity_ratio: Annotated[float, Number("1", 1, 1.68)] = 1.4
-    viscosity_exponent: Annotated[float, Number("1", 0, 2)] = 0.7
+    prandtl: Annotated[float, BoundedNumber("1", 1e-3, 1000)] = 0.71
+    heat_capacity_ratio: Annotated[float, BoundedNumber("1", 1, 1.68)] = 1.4
+    viscosity_exponent: Annotated[float, BoundedNumber("1", 0, 2)] = 0.7
     name: Literal["air", "nitrogen", "helium", "argon", "carbon dioxide", "hydrogen"] = "air"
-    ambient_temperature_k: Annotated[float, Number("K", 223.15, 473.15)] = 293.15
+    ambient_temperature_k: Annotated[float, BoundedNumber("K", 223.15, 473.15)] = 293.15
 
 
 GASES_TABLE = Path(__file__).with_name("gases.csv")
@@ -79,20 +79,20 @@ GASES_TABLE = Path(__file__).with_name("gases.csv")
 
 
 @cache
-def _gases() -> np.ndarray:
+def _gases_table_rows() -> np.ndarray:
     """Return the cells of GASES_TABLE, its header first."""
     lines = GASES_TABLE.read_text(encoding="utf-8").splitlines()
     return np.array([line.split(",") for line in lines if not line.startswith("#")])
 
 
-def _numbers_of(gas: Gas) -> dict[str, float]:
+def _properties_of_named_gas(gas: Gas) -> dict[str, float]:
     """Return the numbers of a gas by its name, temperature and pressure; powers of T between rows.
 
     Five digits, so that they are those of a row at its own temperature.
     """
-    rows, own = _gases()[_gases()[:, 0] == gas.name, 1:].astype(float), {}
+    rows, own = _gases_table_rows()[_gases_table_rows()[:, 0] == gas.name, 1:].astype(float), {}
     kelvin, *columns = np.log(rows).T
-    for name, values in zip(_gases()[0, 2:].tolist(), columns, strict=True):
+    for name, values in zip(_gases_table_rows()[0, 2:].tolist(), columns, strict=True):
         value = np.exp(np.interp(np.log(gas.ambient_temperature_k), kelvin, values))
         own[name] = float(f"{value:.5g}")
     pressure = gas.ambient_pressure_pa / Gas.ambient_pressure_pa
@@ -100,10 +100,10 @@ def _numbers_of(gas: Gas) -> dict[str, float]:
     return own
 
 
-def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
+def _gas_with_properties(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
     """A gas with what is not written of it: by its name, temperature and pressure."""
     gas = validated(values)
-    own, written = _numbers_of(gas), values if isinstance(values, dict) else {}
+    own, written = _properties_of_named_gas(gas), values if isinstance(values, dict) else {}
     lacking = [each for each in own if key_of(each) not in written]
     viscosity = own["viscosity_pa_s"]
     if (
@@ -111,14 +111,14 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
         and abs(gas.viscosity_pa_s / viscosity - 1) > AIR_LIKE_DEVIATION
         and lacking
     ):
-        raise error_at(
+        raise error_at_key(
             f"{gas.viscosity_pa_s:g} is not that of {gas.name} at {gas.ambient_temperature_k:g} K, "
             f"{viscosity:.4g}; of another gas give {', '.join(map(key_of, lacking))} too, which "
             f"are {gas.name}'s where they are not written",
             "viscosity",
         )
     if gas.slip_coefficient != 1 and gas.rarefaction != "slip":
-        raise error_at(
+        raise error_at_key(
             f"{gas.slip_coefficient:g} is read with rarefaction: slip, and not with "
             f"{gas.rarefaction}",
             "slip_coefficient",
@@ -130,4 +130,4 @@ def _whole_gas(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
     return replace(gas, mean_free_path_m=float(f"{path_m:.5g}"))
 
 
-GasOfStudy = Annotated[Gas, WrapValidator(_whole_gas)]
+GasOfStudy = Annotated[Gas, WrapValidator(_gas_with_properties)]

@@ -27,15 +27,15 @@ from squeezefilm.film.measured.table import read_points
 # of the disc itself would need no ν at the centre. With 1.05 16 nodes across reach what takes 19
 # here; but the area varies more around, and a disc off centre takes 1.6 times as many iterations,
 # with inertia twice as many.
-LEAST_ASPECT = 1.01
+MIN_MAP_ASPECT = 1.01
 # Points around by which a map is found, and how well it meets the outline, relative to its size.
 MAP_POINTS = 256
 MAP_TOLERANCE = 1e-12
 # The same for outlines that are known less well.
-CURVE_POINTS = 512
-CURVE_TOLERANCE = 1e-8
-MOST_STEPS = 30
-TOO_SHARP = (
+CURVE_MAP_POINTS = 512
+CURVE_MAP_TOLERANCE = 1e-8
+MAX_MAP_ITERATIONS = 30
+TOO_SHARP_MESSAGE = (
     "a notch, a neck or a corner is too sharp for its coordinates; smooth the outline, or take the "
     "ellipse that it is most like"
 )
@@ -53,7 +53,7 @@ class Outline:
         aspect: length along y.
         turned: the longer side lies along y: ν = 0 is at the end of the y axis.
         even_x, even_y: whether the outline is even about its middle along x, y.
-        exact: what the truncated coefficients are, over the outline's size.
+        map_error: what the truncated coefficients are, over the outline's size.
         scatter: how far the points of its file lie off it.
     """
 
@@ -63,7 +63,7 @@ class Outline:
     turned: bool = False
     even_x: bool = False
     even_y: bool = False
-    exact: float = MAP_TOLERANCE
+    map_error: float = MAP_TOLERANCE
     scatter: float = 0.0
 
     @cached_property
@@ -87,7 +87,7 @@ class Outline:
         n = np.arange(len(self.coefficients))
         return float(pi / 2 * (n * np.abs(self.coefficients) ** 2) @ np.sinh(2 * n * self.edge_mu))
 
-    def folds(self, fold_x: bool, fold_y: bool) -> tuple[bool, bool]:
+    def symmetries_in_nu(self, fold_x: bool, fold_y: bool) -> tuple[bool, bool]:
         """Return whether a film that is even along x, y is so at ν, −ν, and at ν, π − ν."""
         return (fold_x, fold_y) if self.turned else (fold_y, fold_x)
 
@@ -112,37 +112,37 @@ class Outline:
         more = np.sinh(zeta) * chebval(c, chebder(first)) / chebval(c, first)
         return np.asarray(1 / np.tanh(zeta) + more)
 
-    def stretch(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    def area_ratio(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """Jacobian J = |d(x + iy)/d(μ + iν)|², the pad's area per area of (μ, ν)."""
         return np.asarray(np.abs(self.map_slope(mu, nu)) ** 2)
 
     @cached_property
-    def mean_stretch(self) -> float:
+    def mean_area_ratio(self) -> float:
         """Mean of the Jacobian J over the strip that maps to the pad."""
         return self.area / (2 * pi * self.edge_mu)
 
     @cached_property
-    def varies_around(self) -> bool:
+    def varies_more_with_nu(self) -> bool:
         """Return whether the Jacobian J varies more with ν than with μ."""
         mu, nu = np.meshgrid(np.linspace(0, self.edge_mu, 33), np.linspace(0, 2 * pi, 128)[:-1])
-        area = self.stretch(mu, nu)
+        area = self.area_ratio(mu, nu)
         return bool(np.var(area.mean(axis=1)) > np.var(area.mean(axis=0)))
 
     @cached_property
     def analyticity_width(self) -> float:
         """Approximate half-width |Im ν| of the strip around real ν in which J has no zero."""
         waves = len(self.coefficients) - 1
-        return min(self.edge_mu, -log(self.exact) / waves) if waves > 1 else self.edge_mu
+        return min(self.edge_mu, -log(self.map_error) / waves) if waves > 1 else self.edge_mu
 
     @cached_property
-    def typical_stretch(self) -> float:
+    def mean_edge_area_ratio(self) -> float:
         """Mean of the Jacobian J on the outline, where the film has its boundary layers."""
-        return float(np.mean(self.edge_stretch))
+        return float(np.mean(self.edge_area_ratio_range))
 
     @cached_property
-    def edge_stretch(self) -> tuple[float, float]:
+    def edge_area_ratio_range(self) -> tuple[float, float]:
         """Smallest and largest Jacobian J on the outline."""
-        around = self.stretch(np.array(self.edge_mu), np.linspace(0, 2 * pi, 4 * MAP_POINTS))
+        around = self.area_ratio(np.array(self.edge_mu), np.linspace(0, 2 * pi, 4 * MAP_POINTS))
         return float(around.min()), float(around.max())
 
     def coordinates(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -181,15 +181,15 @@ POLAR_COORDINATES = DiscCoordinates()
 
 
 @lru_cache(maxsize=256)
-def ellipse(aspect: float) -> Outline:
+def ellipse_outline(aspect: float) -> Outline:
     """An ellipse of axes 1 along x and ``aspect`` along y."""
     longer, shorter = max(1.0, aspect) / 2, min(1.0, aspect) / 2
     turn = 1j if aspect > 1 else 1.0
-    if longer >= LEAST_ASPECT * shorter:
+    if longer >= MIN_MAP_ASPECT * shorter:
         coefficients = np.array([0, turn * sqrt(longer**2 - shorter**2)])
         edge_mu = atanh(shorter / longer)
     else:
-        edge_mu = atanh(1 / LEAST_ASPECT)
+        edge_mu = atanh(1 / MIN_MAP_ASPECT)
         waves = np.array([longer - shorter, 0, longer + shorter]) / 2
         coefficients = turn * conformal_map(waves, edge_mu).real
         coefficients[::2] = 0  # of both symmetries
@@ -210,7 +210,7 @@ def conformal_map(
     x + iy obey Z_(−n) = exp(−2 n edge) Z_n.
 
     Args:
-        curve: waves of x + iy, against the clock (``_on_curve``).
+        curve: waves of x + iy, against the clock (``_curve_and_slope``).
         points: around, by which it is found.
         exact: how well it meets the curve, relative to its size.
         first_guess: of the curve's parameter at ν.
@@ -224,8 +224,8 @@ def conformal_map(
     decay = np.exp(-2 * n * edge_mu)
     waves = np.exp(-1j * np.outer(n, nu)) / points
     angle = first_guess(nu)
-    for _ in range(MOST_STEPS):
-        z, slope = _on_curve(curve, angle)
+    for _ in range(MAX_MAP_ITERATIONS):
+        z, slope = _curve_and_slope(curve, angle)
         spectrum = np.fft.fft(z) / points
         off = spectrum[:half:-1] - decay * spectrum[1:half]
         size = float(np.abs(z - z.mean()).max())
@@ -236,26 +236,28 @@ def conformal_map(
         step = np.linalg.lstsq(rows, -np.concatenate([off.real, off.imag]), rcond=1e-10)[0]
         angle = angle + step * min(1.0, 0.3 / float(np.abs(step).max()))
     else:
-        raise InputError(f"no conformal map of the outline was found: {TOO_SHARP}")
+        raise InputError(f"no conformal map of the outline was found: {TOO_SHARP_MESSAGE}")
     coefficients = spectrum[:half] * np.append(1, 2 * np.exp(-n * edge_mu))
     kept = np.abs(coefficients[1:]) * np.cosh(np.minimum(n * edge_mu, 700)) > exact * size
     last = int(np.flatnonzero(kept).max(initial=0)) + 2
     if last >= half - 2:
-        raise InputError(f"the conformal map of the outline has too many waves: {TOO_SHARP}")
+        raise InputError(
+            f"the conformal map of the outline has too many waves: {TOO_SHARP_MESSAGE}"
+        )
     return coefficients[:last]
 
 
 CONTOUR_FORMAT = (
     "a header x_mm,y_mm (or another unit) and a point of the edge in each row, one after the other"
 )
-FEWEST_POINTS, MOST_POINTS = 16, 4000
+MIN_CONTOUR_POINTS, MAX_CONTOUR_POINTS = 16, 4000
 # Waves around the edge, the shortest that a smooth curve through the points may have.
-MOST_WAVES = 40
+MAX_CURVE_WAVES = 40
 # How far points may lie off that curve where nothing else is said, over the longer side; and how
 # near it comes, if it can.
-POINT_SCATTER, CURVE_DISTANCE = 1e-4, 1e-5
+DEFAULT_POINT_SCATTER, TARGET_CURVE_DISTANCE = 1e-4, 1e-5
 # The way from the last point to the first, over the longest between others, that is no gap.
-CLOSING_GAP = 4.0
+MAX_CLOSING_GAP_RATIO = 4.0
 # How well the sides that a study says must be the curve's, relative.
 SIDES_TOLERANCE = 1e-4
 
@@ -266,40 +268,45 @@ def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float =
     Args:
         path: of a table of points.
         sides_m: its extents along x and y, which must be those that are meant.
-        scatter_m: how far points may lie off it; 0 stands for POINT_SCATTER times the longer side.
+        scatter_m: how far points may lie off it; 0 stands for DEFAULT_POINT_SCATTER times the
+            longer side.
 
     Raises:
         InputError: naming file and line where the points make no outline, or sides are others.
     """
     if not path.is_file():
         raise InputError(f"{path}: there is no such outline")
-    return _read(path, path.stat().st_mtime_ns, sides_m, scatter_m)
+    return _read_contour_curve(path, path.stat().st_mtime_ns, sides_m, scatter_m)
 
 
 @lru_cache(maxsize=16)
-def _read(path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: float) -> Outline:
+def _read_contour_curve(
+    path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: float
+) -> Outline:
     with prefix_errors(path):
-        waves, off_m = _fitted_curve(_points(path), scatter_m=scatter_m)
-        return _mapped_curve(_scaled(waves, off_m, sides_m), sides_m, off_m)
+        waves, off_m = _fitted_curve(_contour_points(path), scatter_m=scatter_m)
+        return _mapped_curve(_scaled_to_sides(waves, off_m, sides_m), sides_m, off_m)
 
 
-def _complete(known: Collection[str]) -> dict[str, bool]:
+def _missing_coordinate_problems(known: Collection[str]) -> dict[str, bool]:
     """Problems of an outline with some quantities."""
     return {f"there is no column x or y; an outline is {CONTOUR_FORMAT}": {*known} != {"x", "y"}}
 
 
-def _points(path: Path) -> np.ndarray:
+def _contour_points(path: Path) -> np.ndarray:
     """Points x + iy in metres, against the clock, checked."""
     table, _, _ = read_points(
-        path, ("x", "y"), what="outline", form=CONTOUR_FORMAT, complete=_complete
+        path, ("x", "y"), what="outline", form=CONTOUR_FORMAT, complete=_missing_coordinate_problems
     )
     z = (table["x"] + 1j * table["y"]).to_numpy()
     if len(z) > 1 and z[0] == z[-1]:  # the first again closes it
         z = z[:-1]
-    if not FEWEST_POINTS <= len(z) <= MOST_POINTS:
-        raise InputError(f"{len(z)} points; an outline has {FEWEST_POINTS} to {MOST_POINTS}")
+    if not MIN_CONTOUR_POINTS <= len(z) <= MAX_CONTOUR_POINTS:
+        raise InputError(
+            f"{len(z)} points; an outline has {MIN_CONTOUR_POINTS} to {MAX_CONTOUR_POINTS}"
+        )
     steps = np.abs(np.roll(z, -1) - z)
-    if steps[-1] > CLOSING_GAP * steps[:-1].max():
+    if steps[-1] > MAX_CLOSING_GAP_RATIO * steps[:-1].max():
         raise InputError(
             f"the outline is not closed: its last point is {steps[-1] * 1e3:.3g} mm from the "
             "first, and no others that follow each other are more than "
@@ -323,13 +330,13 @@ def _fitted_curve(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, 
     steps = np.abs(np.roll(points, -1) - points)
     parameter = 2 * np.pi * np.append(0, np.cumsum(steps[:-1])) / steps.sum()
     longer = max(float(np.ptp(points.real)), float(np.ptp(points.imag)))
-    allowed = scatter_m or POINT_SCATTER * longer
-    most = min(MOST_WAVES, len(points) // 3)
+    allowed = scatter_m or DEFAULT_POINT_SCATTER * longer
+    most = min(MAX_CURVE_WAVES, len(points) // 3)
     for waves in range(1, most + 1):
         terms = np.exp(1j * np.multiply.outer(parameter, np.arange(-waves, waves + 1)))
         fit = np.linalg.lstsq(terms, points, rcond=None)[0]
         off = float(np.abs(terms @ fit - points).max())
-        if off <= (scatter_m or CURVE_DISTANCE * longer):
+        if off <= (scatter_m or TARGET_CURVE_DISTANCE * longer):
             break
     if off <= allowed:
         return fit, off
@@ -340,16 +347,16 @@ def _fitted_curve(points: np.ndarray, *, scatter_m: float) -> tuple[np.ndarray, 
     )
 
 
-def _on_curve(waves: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _curve_and_slope(waves: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """x + iy = Σ_k waves_k exp(i k parameter), k = −n … n, on a closed curve; its derivative."""
     k = np.arange(len(waves)) - len(waves) // 2
     terms = np.exp(1j * np.multiply.outer(parameter, k))
     return terms @ waves, terms @ (1j * k * waves)
 
 
-def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np.ndarray:
+def _scaled_to_sides(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np.ndarray:
     """Return the curve over the pad's length along x, centred, with the sides of the study."""
-    contour, _ = _on_curve(
+    contour, _ = _curve_and_slope(
         waves, 2 * np.pi * np.arange(4 * OUTLINE_SAMPLES) / (4 * OUTLINE_SAMPLES)
     )
     extents = np.array([np.ptp(contour.real), np.ptp(contour.imag)])
@@ -372,7 +379,7 @@ def _scaled(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np
 def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float) -> Outline:
     """A curve in conformal coordinates; raises InputError where there are none."""
     parameters = 2 * np.pi * np.arange(OUTLINE_SAMPLES + 1) / OUTLINE_SAMPLES
-    contour, _ = _on_curve(curve, parameters[:-1])
+    contour, _ = _curve_and_slope(curve, parameters[:-1])
     weights = _triangle_areas(contour)
     from_centre = contour - (weights * (contour + np.roll(contour, -1))).sum() / 3 / weights.sum()
     # Second moments of the inside tell the ellipse that it is most like.
@@ -380,7 +387,7 @@ def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float)
     turning = weights @ (one**2 + one * other + other**2)
     size = weights @ (abs(one) ** 2 + (one * other.conj()).real + abs(other) ** 2)
     elongation = min(abs(turning) / size, 0.9999)
-    shape = max(np.sqrt((1 + elongation) / (1 - elongation)), LEAST_ASPECT)
+    shape = max(np.sqrt((1 + elongation) / (1 - elongation)), MIN_MAP_ASPECT)
     direction = np.exp(0.5j * np.angle(turning)) if elongation > 1e-9 else 1.0
     angles = np.unwrap(np.angle(from_centre / direction))
     if not (np.all(np.diff(angles) > 0) and angles[-1] - angles[0] <= 2 * np.pi):
@@ -398,7 +405,7 @@ def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float)
 
     mu = float(np.arctanh(1 / shape))
     coefficients = conformal_map(
-        curve, mu, points=CURVE_POINTS, exact=CURVE_TOLERANCE, first_guess=first_guess
+        curve, mu, points=CURVE_MAP_POINTS, exact=CURVE_MAP_TOLERANCE, first_guess=first_guess
     )
     aspect, scatter = sides_m[1] / sides_m[0], off_m / sides_m[0]
-    return Outline(coefficients, mu, aspect, exact=CURVE_TOLERANCE, scatter=scatter)
+    return Outline(coefficients, mu, aspect, map_error=CURVE_MAP_TOLERANCE, scatter=scatter)

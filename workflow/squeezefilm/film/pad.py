@@ -8,22 +8,22 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from pydantic import ConfigDict
 
-from squeezefilm.film.outline import OUTLINE_SAMPLES, Outline, ellipse
+from squeezefilm.film.outline import OUTLINE_SAMPLES, Outline, ellipse_outline
 from squeezefilm.sections import (
     NOT_GIVEN,
     SECTION_KEYS,
+    BoundedNumber,
     Direction,
     Internal,
     Length,
-    Number,
     Rise,
     Text,
-    add_meanings,
-    error_at,
+    add_key_meanings,
+    error_at_key,
     key_of,
 )
 
-OUTLINE_POINTS = 256
+EDGE_POINTS = 256
 
 Coordinate = TypeVar("Coordinate", float, np.ndarray)
 
@@ -41,7 +41,7 @@ class OutlineFile:
     __pydantic_config__ = SECTION_KEYS
 
     file: Text
-    scatter_m: Annotated[float, Number("m", 0, 1)] = 0.0
+    scatter_m: Annotated[float, BoundedNumber("m", 0, 1)] = 0.0
 
 
 @dataclass(frozen=True)
@@ -74,17 +74,17 @@ class GapShape:
         return tilt + 4 * self.crown_m * (x**2 + y**2)
 
 
-SIDES = ("length_x_m", "length_y_m")
+SIDE_KEYS = ("length_x_m", "length_y_m")
 
 
-def _described_with_circle(schema: dict[str, Any], section: type) -> None:
+def _add_circle_to_schema(schema: dict[str, Any], section: type) -> None:
     circle = {"properties": {"shape": {"const": "circle"}}, "required": ["shape"]}
-    sides = {"required": list(map(key_of, SIDES))}
+    sides = {"required": list(map(key_of, SIDE_KEYS))}
     schema |= {"if": circle, "then": {"required": ["diameter"]}, "else": sides}
-    add_meanings(schema, section)
+    add_key_meanings(schema, section)
 
 
-Shape = Literal["rectangle", "ellipse", "circle", "curve"]
+PadShape = Literal["rectangle", "ellipse", "circle", "curve"]
 
 
 @dataclass(frozen=True)
@@ -104,15 +104,15 @@ class Pad:
         speed_x_m_per_s: speed at which the surface passes it, along the pad's +x axis; 0 at rest
     """
 
-    __pydantic_config__ = SECTION_KEYS | ConfigDict(json_schema_extra=_described_with_circle)
+    __pydantic_config__ = SECTION_KEYS | ConfigDict(json_schema_extra=_add_circle_to_schema)
 
-    shape: Shape = field(default="rectangle", kw_only=True)
+    shape: PadShape = field(default="rectangle", kw_only=True)
     diameter_m: Length = field(default=NOT_GIVEN, kw_only=True)
     outline: OutlineFile = field(default=NOT_GIVEN, kw_only=True)
     length_x_m: Length = NOT_GIVEN
     length_y_m: Length = NOT_GIVEN
     rotation_deg: Direction = field(default=0.0, kw_only=True)
-    speed_x_m_per_s: Annotated[float, Number("m/s", -10000, 10000)] = 0.0
+    speed_x_m_per_s: Annotated[float, BoundedNumber("m/s", -10000, 10000)] = 0.0
     gap: GapShape = field(default_factory=GapShape, kw_only=True)
     contour: Internal[Outline | None] = field(default=None, kw_only=True)
 
@@ -131,7 +131,7 @@ class Pad:
     def smooth_outline(self) -> Outline | None:
         """The outline in conformal coordinates, unless it is a rectangle."""
         if self.shape == "ellipse":
-            return ellipse(self.length_y_m / self.length_x_m)
+            return ellipse_outline(self.length_y_m / self.length_x_m)
         return self.contour
 
     def edge_m(self) -> np.ndarray:
@@ -140,7 +140,7 @@ class Pad:
         A rectangle's four corners, or points all around another pad.
         """
         if outline := self.smooth_outline:
-            contour = outline.points[:: OUTLINE_SAMPLES // OUTLINE_POINTS]
+            contour = outline.points[:: OUTLINE_SAMPLES // EDGE_POINTS]
             x_m, y_m = contour.real * self.length_x_m, contour.imag * self.length_x_m
         else:
             x_m, y_m = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2
@@ -167,14 +167,14 @@ class Pad:
 UNIFORM_GAP = GapShape()
 
 
-def outlined(pad: Pad) -> Pad:
+def with_keys_of_shape(pad: Pad) -> Pad:
     """A pad with the keys of its shape alone; a circle is an ellipse of equal axes."""
-    own = {"circle": ("diameter_m",), "curve": (*SIDES, "outline")}.get(pad.shape, SIDES)
-    for name in (*SIDES, "diameter_m", "outline"):
+    own = {"circle": ("diameter_m",), "curve": (*SIDE_KEYS, "outline")}.get(pad.shape, SIDE_KEYS)
+    for name in (*SIDE_KEYS, "diameter_m", "outline"):
         if (getattr(pad, name) is None) == (name in own):
             key, keys = key_of(name), ", ".join(map(key_of, own))
             text = f"with shape: {pad.shape} give {keys}, not {key}"
-            raise error_at(text, key, kind="missing" if name in own else "relation")
+            raise error_at_key(text, key, kind="missing" if name in own else "relation")
     if pad.shape != "circle":
         return pad
     return replace(

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from squeezefilm.lazy import pd
-from squeezefilm.sections import DERIVED, Number, Section, UniqueItems
+from squeezefilm.sections import DERIVED, BoundedNumber, Section, UniqueItems
 
 POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 """The two forms in which a pad's position stands in tables."""
@@ -22,13 +22,13 @@ def position_form(columns: Iterable[object]) -> tuple[str, str]:
     return CARTESIAN if names & set(CARTESIAN) and not names & set(POLAR) else POLAR
 
 
-def columns_as_in(columns: Iterable[str], table: Iterable[object]) -> list[str]:
+def columns_in_form(columns: Iterable[str], table: Iterable[object]) -> list[str]:
     """Columns that are named for polar positions, in the form that a table has them in."""
     form = dict(zip(POLAR, position_form(table), strict=True))
     return [form.get(name, name) for name in columns]
 
 
-def with_position(table: pd.DataFrame) -> pd.DataFrame:
+def with_both_coordinates(table: pd.DataFrame) -> pd.DataFrame:
     """The table with both coordinates of its position: 0 for one that it has not."""
     form = position_form(table) if {*POLAR, *CARTESIAN} & {*table} else CARTESIAN
     return table.assign(**{name: 0.0 for name in form if name not in table})
@@ -45,8 +45,8 @@ def polar(x_m: ArrayLike, y_m: ArrayLike) -> dict[str, Any]:
     return {"phi_r_m": np.hypot(x_m, y_m), "phi_deg": np.degrees(np.arctan2(y_m, x_m))}
 
 
-UpTo100 = Field(min_length=1, max_length=100)
-Distances = Annotated[list[Annotated[float, Number("m", 0, 10)]], UpTo100, UniqueItems]
+OneTo100Items = Field(min_length=1, max_length=100)
+Distances = Annotated[list[Annotated[float, BoundedNumber("m", 0, 10)]], OneTo100Items, UniqueItems]
 
 
 class Positions(Section):
@@ -72,8 +72,10 @@ class Positions(Section):
 
     points: Annotated[int, Field(strict=True, ge=4, le=1000)] = DERIVED
     phi_r_m: Annotated[
-        list[Annotated[float, Number("m", 0, 10, open=True)]], UpTo100, UniqueItems
+        list[Annotated[float, BoundedNumber("m", 0, 10, open=True)]], OneTo100Items, UniqueItems
     ] = DERIVED
-    phi_deg: Annotated[list[Annotated[float, Number("°", 0, 360)]], UpTo100, UniqueItems] = DERIVED
+    phi_deg: Annotated[
+        list[Annotated[float, BoundedNumber("°", 0, 360)]], OneTo100Items, UniqueItems
+    ] = DERIVED
     x_m: Distances = DERIVED
     y_m: Distances = DERIVED

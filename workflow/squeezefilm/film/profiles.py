@@ -16,12 +16,12 @@ from pydantic import AfterValidator, Field, GetPydanticSchema, PlainSerializer, 
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.surfaces import Disc, Orders, Surface
-from squeezefilm.formulas import Expression, constants_of, parse
-from squeezefilm.sections import SECTION_KEYS, Direction, Internal, Length, Number, Text
+from squeezefilm.formulas import Expression, constants_of, parse_formula
+from squeezefilm.sections import SECTION_KEYS, BoundedNumber, Direction, Internal, Length, Text
 
 UNBOUNDED_SURFACE = Disc(inf)
 # Values of modes, points times modes, that are kept to be used again: 8 MB.
-MOST_CACHED_VALUES = 1_000_000
+MAX_CACHED_MODE_VALUES = 1_000_000
 
 
 class Profile:
@@ -42,7 +42,7 @@ class Profile:
             return self
         profile = replace(self, surface=surface)  # type: ignore[type-var]
         if isinstance(profile, BesselMode | Formula):
-            largest_unscaled(profile)
+            largest_unscaled_magnitude(profile)
         return profile
 
     @cached_property
@@ -62,7 +62,7 @@ class Sinc(Profile):
     __pydantic_config__ = SECTION_KEYS
 
     kind: Literal["sinc"] = field(default="sinc", kw_only=True)
-    wave_number_per_m: Annotated[float, Number("1/m", 0, 1e6, open=True)]
+    wave_number_per_m: Annotated[float, BoundedNumber("1/m", 0, 1e6, open=True)]
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         return np.sinc(self.wave_number_per_m * np.hypot(x_m, y_m))
@@ -99,7 +99,7 @@ class StandingWave(Profile):
     kind: Literal["standing-wave"] = field(default="standing-wave", kw_only=True)
     wavelength_m: Length
     direction_deg: Direction = 0.0
-    crest_m: Annotated[float, Number("m", -10, 10)] = 0.0
+    crest_m: Annotated[float, BoundedNumber("m", -10, 10)] = 0.0
     surface: Internal[Surface] = UNBOUNDED_SURFACE
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
@@ -151,15 +151,15 @@ class BesselMode(Profile):
 
     kind: Literal["bessel"] = field(default="bessel", kw_only=True)
     nodal_diameters: Annotated[int, Field(strict=True, ge=0, le=20)]
-    wave_number_rad_per_m: Annotated[float, Number("rad/m", 0, 1e6, open=True)]
-    edge_share: Annotated[float, Number("1", -1e6, 1e6)] = 0.0
+    wave_number_rad_per_m: Annotated[float, BoundedNumber("rad/m", 0, 1e6, open=True)]
+    edge_share: Annotated[float, BoundedNumber("1", -1e6, 1e6)] = 0.0
     direction_deg: Direction = 0.0
     surface: Internal[Surface] = UNBOUNDED_SURFACE
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         angle = np.arctan2(y_m, x_m) - radians(self.direction_deg)
         around = np.cos(self.nodal_diameters * angle)
-        return self.unscaled(x_m, y_m) * around / largest_unscaled(self)
+        return self.unscaled(x_m, y_m) * around / largest_unscaled_magnitude(self)
 
     def unscaled(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """The mode along the direction of an antinode, before it is scaled."""
@@ -202,15 +202,17 @@ class Formula(Profile):
     constants: Constants = ()
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        return self.unscaled(x_m, y_m) / largest_unscaled(self)
+        return self.unscaled(x_m, y_m) / largest_unscaled_magnitude(self)
 
     def unscaled(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """The expressions' value."""
         x, y = np.broadcast_arrays(x_m, y_m)
         coordinates = {"x": x, "y": y, "r": np.hypot(x, y), "phi": np.arctan2(y, x)}
-        value = _parsed(self.expression, self.constants).evaluate(**coordinates)
+        value = _parsed_expression(self.expression, self.constants).evaluate(**coordinates)
         if self.quadrature != "0":
-            value = value + 1j * _parsed(self.quadrature, self.constants).evaluate(**coordinates)
+            value = value + 1j * _parsed_expression(self.quadrature, self.constants).evaluate(
+                **coordinates
+            )
         return np.broadcast_to(value, x.shape)
 
 
@@ -229,7 +231,7 @@ class Modes(Profile):
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
-        if x.size * len(self.orders) > MOST_CACHED_VALUES:
+        if x.size * len(self.orders) > MAX_CACHED_MODE_VALUES:
             modes = self.surface.modes_at(self.orders, x, y)
         else:
             modes = _cached_modes(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
@@ -261,7 +263,7 @@ class Quadrature(Profile):
         return self.component_factors[0] * first + 1j * (self.component_factors[1] * second)
 
 
-Coordinate = Annotated[float, Number("m", -10, 10)]
+Coordinate = Annotated[float, BoundedNumber("m", -10, 10)]
 
 
 @dataclass(frozen=True)
@@ -309,9 +311,9 @@ def largest_magnitude(
 
     NaN when the shape is not finite everywhere on the net.
     """
-    half_m = np.array(surface.half_m)
+    half_m = np.array(surface.half_extents_m)
 
-    def size(at: np.ndarray) -> np.ndarray:
+    def magnitude_at(at: np.ndarray) -> np.ndarray:
         """Values at scaled points, shape (2, …); points off the surface are moved onto its edge."""
         x_m, y_m = at / np.maximum(surface.reach(*(at.T * half_m).T), 1)
         return np.abs(shape(x_m * half_m[0], y_m * half_m[1]))
@@ -319,7 +321,7 @@ def largest_magnitude(
     x_m, y_m, _ = surface.net(finer=True)
     net = np.stack([x_m.ravel(), y_m.ravel()]) / half_m[:, None]
     with np.errstate(all="ignore"):
-        sizes = size(net)
+        sizes = magnitude_at(net)
     if not np.all(np.isfinite(sizes)):
         return np.nan
     best, largest, spacing = net[:, np.argmax(sizes)], float(sizes.max()), FIRST_SPACING
@@ -327,7 +329,7 @@ def largest_magnitude(
     while spacing > LAST_SPACING:
         near = best[:, None] + spacing * around
         with np.errstate(all="ignore"):
-            sizes = np.nan_to_num(size(near), nan=0.0, posinf=0.0)
+            sizes = np.nan_to_num(magnitude_at(near), nan=0.0, posinf=0.0)
         k = int(np.argmax(sizes))
         larger = sizes[k] > (1 + ROUND_OFF) * largest
         if larger:
@@ -338,9 +340,11 @@ def largest_magnitude(
 
 
 @lru_cache(maxsize=16)
-def _parsed(expression: str, constants: tuple[tuple[str, str | float], ...]) -> Expression:
+def _parsed_expression(
+    expression: str, constants: tuple[tuple[str, str | float], ...]
+) -> Expression:
     place, names = "actuator.profile", ("x", "y", "r", "phi")
-    return parse(
+    return parse_formula(
         expression,
         names=names,
         source=f"{place}.expression",
@@ -349,7 +353,7 @@ def _parsed(expression: str, constants: tuple[tuple[str, str | float], ...]) -> 
 
 
 @lru_cache(maxsize=16)
-def largest_unscaled(profile: BesselMode | Formula) -> float:
+def largest_unscaled_magnitude(profile: BesselMode | Formula) -> float:
     """Largest magnitude on the surface before the profile is scaled to 1.
 
     Raises InputError where it is not finite, or zero.
@@ -367,15 +371,15 @@ def largest_unscaled(profile: BesselMode | Formula) -> float:
 # A formula may hide a spot too narrow for evenly spread samples to be sure to meet it; the other
 # profiles are as fine at one place as at any other. It is scanned once, on lines of a net of the
 # whole surface: a spot wider than about a thousandth of the surface is met.
-NET_LINES = 1000
-# The net is searched in NET_TILES × NET_TILES parts, and the most remarkable of them are followed
-# up.
-NET_TILES = 20
-TILES_REFINED = 16
+LANDMARK_NET_LINES = 1000
+# The net is searched in LANDMARK_NET_TILES × LANDMARK_NET_TILES parts, and the most remarkable of
+# them are followed up.
+LANDMARK_NET_TILES = 20
+LANDMARK_TILES_REFINED = 16
 
 
 @lru_cache(maxsize=16)
-def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
+def narrow_feature_points(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     """Points x_m, y_m that a sampling of the profile should include; none but for formulas.
 
     They are where it differs most from its neighbourhood. A spot narrower than a five-hundredth of
@@ -384,26 +388,28 @@ def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     if not isinstance(profile, Formula):
         return np.zeros(0), np.zeros(0)
     # Uneven lines, so that nothing with a period hides between them.
-    uneven = np.arange(NET_LINES) * 0.6180339887498949 % 1
-    lines = 2 * (np.arange(NET_LINES) + uneven) / NET_LINES - 1
-    x_lines_m, y_lines_m = (half * lines for half in profile.surface.half_m)
+    uneven = np.arange(LANDMARK_NET_LINES) * 0.6180339887498949 % 1
+    lines = 2 * (np.arange(LANDMARK_NET_LINES) + uneven) / LANDMARK_NET_LINES - 1
+    x_lines_m, y_lines_m = (half * lines for half in profile.surface.half_extents_m)
     with np.errstate(all="ignore"):
         s = profile.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
-        bends = np.maximum(_deviations(s, x_lines_m), _deviations(s.T, y_lines_m).T)
+        bends = np.maximum(
+            _deviations_from_neighbours(s, x_lines_m), _deviations_from_neighbours(s.T, y_lines_m).T
+        )
     bends[profile.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
-    side = NET_LINES // NET_TILES
+    side = LANDMARK_NET_LINES // LANDMARK_NET_TILES
     tiles = (
-        bends.reshape(NET_TILES, side, NET_TILES, side)
+        bends.reshape(LANDMARK_NET_TILES, side, LANDMARK_NET_TILES, side)
         .transpose(0, 2, 1, 3)
-        .reshape(NET_TILES**2, -1)
+        .reshape(LANDMARK_NET_TILES**2, -1)
     )
-    first = np.argsort(-tiles.max(axis=1), kind="stable")[:TILES_REFINED]
+    first = np.argsort(-tiles.max(axis=1), kind="stable")[:LANDMARK_TILES_REFINED]
     row, column = np.divmod(tiles[first].argmax(axis=1), side)
     # Within two lines of each, where the profile stands out most from what is around.
-    near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / NET_LINES])
-    half_x_m, half_y_m = profile.surface.half_m
-    x_m = x_lines_m[first // NET_TILES * side + row, None] + half_x_m * near[0].ravel()
-    y_m = y_lines_m[first % NET_TILES * side + column, None] + half_y_m * near[1].ravel()
+    near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / LANDMARK_NET_LINES])
+    half_x_m, half_y_m = profile.surface.half_extents_m
+    x_m = x_lines_m[first // LANDMARK_NET_TILES * side + row, None] + half_x_m * near[0].ravel()
+    y_m = y_lines_m[first % LANDMARK_NET_TILES * side + column, None] + half_y_m * near[1].ravel()
     with np.errstate(all="ignore"):
         s = profile.amplitude(x_m=x_m, y_m=y_m)
         contrast = np.nan_to_num(np.abs(s - s.mean(axis=1, keepdims=True)), posinf=0.0)
@@ -411,7 +417,7 @@ def landmarks_of(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     return x_m[best], y_m[best]
 
 
-def _deviations(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
+def _deviations_from_neighbours(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
     """Return each value's distance from the line through its neighbours along axis 0."""
     fraction = ((lines_m[1:-1] - lines_m[:-2]) / (lines_m[2:] - lines_m[:-2]))[:, None]
     bends = np.zeros(s.shape)

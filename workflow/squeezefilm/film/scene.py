@@ -16,9 +16,9 @@ from squeezefilm.film.gas import Gas as Gas
 from squeezefilm.film.pad import Pad, net
 from squeezefilm.film.profiles import PROFILE_KINDS, Profile, ScanFile
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
-from squeezefilm.sections import NOT_GIVEN, SECTION_KEYS, Length, Number, error_at
+from squeezefilm.sections import NOT_GIVEN, SECTION_KEYS, BoundedNumber, Length, error_at_key
 
-KEYED = GetPydanticSchema(
+PROFILE_FROM_KEYS = GetPydanticSchema(
     lambda _, schema: schema(Annotated[PROFILE_KINDS, Field(discriminator="kind")])
 )
 """Profiles that a study can have are told apart by their ``kind``."""
@@ -41,10 +41,10 @@ class Actuator:
 
     __pydantic_config__ = SECTION_KEYS
 
-    frequency_hz: Annotated[float, Number("Hz", 1e-3, 1e9)]
+    frequency_hz: Annotated[float, BoundedNumber("Hz", 1e-3, 1e9)]
     surface_radius_m: Length = NOT_GIVEN
     rectangle: Annotated[Rectangle, Field(alias="surface")] = field(default=NOT_GIVEN, kw_only=True)
-    profile: Annotated[Profile, KEYED] = field(kw_only=True)
+    profile: Annotated[Profile, PROFILE_FROM_KEYS] = field(kw_only=True)
 
     @property
     def surface(self) -> Surface:
@@ -59,10 +59,12 @@ class Actuator:
 def with_one_surface(actuator: Actuator) -> Actuator:
     """An actuator that has one surface, and a profile that this can have."""
     if (actuator.rectangle is None) == (actuator.surface_radius_m is None):
-        raise error_at("give surface_radius, of a disc, or surface, of a rectangle, and not both")
+        raise error_at_key(
+            "give surface_radius, of a disc, or surface, of a rectangle, and not both"
+        )
     profile = actuator.profile
     if actuator.rectangle and isinstance(profile, ScanFile) and profile.axisymmetric:
-        raise error_at("a rectangle has no axis; it must be false", "profile", "axisymmetric")
+        raise error_at_key("a rectangle has no axis; it must be false", "profile", "axisymmetric")
     return actuator
 
 
@@ -258,12 +260,12 @@ class Film(HashedOnce):
         return Scenes((self,), index, h0_m, hv_m, x_m, y_m, point_id)
 
 
-NUMBERS_OF_GAS = tuple(each.name for each in fields(Gas))
+GAS_ATTRIBUTES = tuple(each.name for each in fields(Gas))
 # Which of some scenes.
 Rows = slice | np.ndarray
 # Positions up to which what is known of them is kept.
-MOST_CACHED = 256
-Found = TypeVar("Found")
+MAX_CACHED_POSITIONS = 256
+Result = TypeVar("Result")
 
 
 def distinct_rows(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -326,17 +328,21 @@ class PadPositions:
     def subset(self, rows: Rows) -> PadPositions:
         return PadPositions(self.pad_profile, self.x_m[rows], self.y_m[rows])
 
-    def cached(self, find: Callable[..., Found], *arguments: Any) -> Found:
+    def cached(self, find: Callable[..., Result], *arguments: Any) -> Result:
         """Return what a function finds of the positions, kept for when it is asked for again.
 
         Many gaps and amplitudes share their positions; of more than a few it is found each time.
         """
-        call = cached if len(self.x_m) <= MOST_CACHED else cached.__wrapped__
+        call = (
+            cached_by_films
+            if len(self.x_m) <= MAX_CACHED_POSITIONS
+            else cached_by_films.__wrapped__
+        )
         return call(find, self, *arguments)
 
 
 @lru_cache(maxsize=512)
-def cached(find: Callable[..., Any], *arguments: Any) -> Any:
+def cached_by_films(find: Callable[..., Any], *arguments: Any) -> Any:
     """Return what a function finds of films and positions, known already where it was asked for."""
     return find(*arguments)
 
@@ -405,7 +411,9 @@ class Scenes(OperatingPoints, Sequence[Scene]):
             film, scenes_of_film = self.films[self.film_index[rows[0]]], self[rows]
             yield film, rows, replace(scenes_of_film, films=(film,), film_index=np.zeros_like(rows))
 
-    def at_places(self, find: Callable[[PadPositions], Found]) -> tuple[list[Found], np.ndarray]:
+    def find_at_positions(
+        self, find: Callable[[PadPositions], Result]
+    ) -> tuple[list[Result], np.ndarray]:
         """Something at the pad's positions, film by film, and which of all these each scene has."""
         found, count = [], 0
         which = np.empty(len(self), dtype=np.int64)
@@ -424,19 +432,19 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @cached_property
     def gas(self) -> Gas:  # type: ignore[override]
         """The gas' numbers, those of several films as columns."""
-        return self._part("gas", *NUMBERS_OF_GAS)
+        return self._stacked_film_attributes("gas", *GAS_ATTRIBUTES)
 
     @cached_property
     def actuator(self) -> Actuator:  # type: ignore[override]
         """The actuator, of several films with a column of frequencies."""
-        return self._part("actuator", "frequency_hz")
+        return self._stacked_film_attributes("actuator", "frequency_hz")
 
     @cached_property
     def pad(self) -> Pad:  # type: ignore[override]
         """The pad, of several films with columns of its sides and speed."""
-        return self._part("pad", "length_x_m", "length_y_m", "speed_x_m_per_s")
+        return self._stacked_film_attributes("pad", "length_x_m", "length_y_m", "speed_x_m_per_s")
 
-    def _part(self, part: str, *names: str) -> Any:
+    def _stacked_film_attributes(self, part: str, *names: str) -> Any:
         first = getattr(self.films[0], part)
         if len(self.films) == 1:
             return first
@@ -457,7 +465,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @cached_property
     def narrowest(self) -> np.ndarray:
         """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        return self._on_net[0]
+        return self._amplitude_on_net[0]
 
     @cached_property
     def closure(self) -> np.ndarray:
@@ -466,7 +474,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         For a flat gap as if the profile's maximum lay under the pad: ε, or a little more where
         noise has put something on the maximum of a measured profile.
         """
-        return self._on_net[1]
+        return self._amplitude_on_net[1]
 
     @cached_property
     def static_gap_range(self) -> tuple[np.ndarray, np.ndarray]:
@@ -487,18 +495,18 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def _rises(self) -> np.ndarray:
-        return np.array(self.column(lambda film: _rises(film.pad))).T
+        return np.array(self.column(lambda film: _static_rise_statistics(film.pad))).T
 
     @cached_property
-    def _on_net(self) -> tuple[np.ndarray, np.ndarray]:
+    def _amplitude_on_net(self) -> tuple[np.ndarray, np.ndarray]:
         largest = self.column(lambda film: getattr(film.actuator.profile, "largest", 1.0))
         narrowest, closure = 1 - self.epsilon, largest * self.epsilon
         for film, rows, scenes_of_film in () if self.flat else self.split_by_film():
             if not film.pad.gap.flat:
-                narrowest[rows], closure[rows] = scenes_of_film._shaped()
+                narrowest[rows], closure[rows] = scenes_of_film._narrowest_and_closure()
         return narrowest, closure
 
-    def _shaped(self) -> tuple[np.ndarray, np.ndarray]:
+    def _narrowest_and_closure(self) -> tuple[np.ndarray, np.ndarray]:
         """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
         pad_positions, which = self.pad_positions
         moves = pad_positions.cached(_amplitude_on_net)
@@ -525,7 +533,7 @@ def _rise_on_net_m(pad: Pad) -> np.ndarray:
 
 
 @lru_cache(maxsize=256)
-def _rises(pad: Pad) -> tuple[float, float, float, float]:
+def _static_rise_statistics(pad: Pad) -> tuple[float, float, float, float]:
     """Minimum, maximum, mean and variance of static gap minus h0 on a net over the pad."""
     rises_m = _rise_on_net_m(pad)
     return tuple(float(f(rises_m)) for f in (np.min, np.max, np.mean, np.var))  # type: ignore[return-value]

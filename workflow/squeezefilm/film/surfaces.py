@@ -15,14 +15,14 @@ from squeezefilm.film.positions import CARTESIAN, POLAR
 from squeezefilm.sections import SECTION_KEYS, Length
 
 # Points of the nets on which a profile is looked at all over: along a radius, around; a side.
-NET_RADII, NET_ANGLES, NET_LINES = 41, 72, 53
+NET_RADIUS_COUNT, NET_ANGLE_COUNT, NET_SIDE_COUNT = 41, 72, 53
 # Phase at a rectangle's edge of the coordinate sin(phase · x)/sin(phase) of its modes, in rad.
 # Polynomials of x itself need over twice the points of a scan, which lie evenly: between its last
 # points they magnify the noise (Kosloff and Tal-Ezer, J. Comput. Phys. 104, 1993).
 EDGE_PHASE_RAD = pi / 3
 # Waves per metre along a rectangle's shorter side over those along the longer, of the families of
 # its modes: a plate's waves often go along one side.
-WAVE_RATIOS = (1.0, 0.25, 2.0, 4.0)
+MODE_FAMILY_WAVE_RATIOS = (1.0, 0.25, 2.0, 4.0)
 
 # Two numbers of each smooth mode, by rising degree.
 Orders = tuple[tuple[int, int], ...]
@@ -38,7 +38,7 @@ class Disc:
     wave_ratios = (1.0,)
 
     @property
-    def half_m(self) -> tuple[float, float]:
+    def half_extents_m(self) -> tuple[float, float]:
         """Half of what it is across along x and along y."""
         return self.radius_m, self.radius_m
 
@@ -55,13 +55,13 @@ class Disc:
         """Farthest distance from the centre along a direction, in metres."""
         return self.radius_m
 
-    def text_at(self, x_m: float, y_m: float) -> str:
+    def position_text(self, x_m: float, y_m: float) -> str:
         """A place in words."""
         return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
 
     def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """x_m, y_m of points all over, edge included, and weights in proportion to areas."""
-        radii, angles = (101, 192) if finer else (NET_RADII, NET_ANGLES)
+        radii, angles = (101, 192) if finer else (NET_RADIUS_COUNT, NET_ANGLE_COUNT)
         r_m = np.linspace(0, self.radius_m, radii)
         r_m, phi = np.meshgrid(r_m, 2 * pi * np.arange(angles) / angles, indexing="ij")
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
@@ -122,10 +122,10 @@ class Rectangle:
     length_y_m: Length
     position: ClassVar = CARTESIAN
     key: ClassVar = "actuator.surface"
-    wave_ratios: ClassVar = WAVE_RATIOS
+    wave_ratios: ClassVar = MODE_FAMILY_WAVE_RATIOS
 
     @property
-    def half_m(self) -> tuple[float, float]:
+    def half_extents_m(self) -> tuple[float, float]:
         return self.length_x_m / 2, self.length_y_m / 2
 
     @property
@@ -133,21 +133,25 @@ class Rectangle:
         return f"{self.length_x_m * 1e3:.2f} × {self.length_y_m * 1e3:.2f} mm rectangle"
 
     def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        half_x, half_y = self.half_m
+        half_x, half_y = self.half_extents_m
         return np.maximum(np.abs(x_m) / half_x, np.abs(y_m) / half_y)
 
     def extent_along_m(self, direction_deg: float) -> float:
         c, s = cos(radians(direction_deg)), sin(radians(direction_deg))
         return (abs(c) * self.length_x_m + abs(s) * self.length_y_m) / 2
 
-    def text_at(self, x_m: float, y_m: float) -> str:
+    def position_text(self, x_m: float, y_m: float) -> str:
         return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
 
     def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        side = np.linspace(-1, 1, 141 if finer else NET_LINES)
+        side = np.linspace(-1, 1, 141 if finer else NET_SIDE_COUNT)
         cell_fraction = np.where(np.abs(side) < 1, 1.0, 0.5)
         x, y = np.meshgrid(side, side, indexing="ij")
-        return x * self.half_m[0], y * self.half_m[1], np.outer(cell_fraction, cell_fraction)
+        return (
+            x * self.half_extents_m[0],
+            y * self.half_extents_m[1],
+            np.outer(cell_fraction, cell_fraction),
+        )
 
     def orders_up_to(
         self,
@@ -159,8 +163,8 @@ class Rectangle:
     ) -> Orders:
         """Modes (i, j) within the ellipse of ``degree`` along one side and no more along the other.
 
-        ``wave_ratio`` is that of the waves per metre (WAVE_RATIOS). Both half axes are longer by
-        ``degrees_more``.
+        ``wave_ratio`` is that of the waves per metre (MODE_FAMILY_WAVE_RATIOS). Both half axes are
+        longer by ``degrees_more``.
         """
         sides = np.array([self.length_x_m, self.length_y_m])
         sides[np.argmin(sides)] *= wave_ratio
@@ -181,7 +185,7 @@ class Rectangle:
         along_x, along_y = np.array(orders).T
         x, y = (
             np.sin(EDGE_PHASE_RAD * at_m / half_m) / sin(EDGE_PHASE_RAD)
-            for at_m, half_m in zip((x_m, y_m), self.half_m, strict=True)
+            for at_m, half_m in zip((x_m, y_m), self.half_extents_m, strict=True)
         )
         values: np.ndarray = (
             legvander(x, int(along_x.max()))[..., along_x]

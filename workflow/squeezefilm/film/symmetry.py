@@ -20,21 +20,21 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.outline import POLAR_COORDINATES
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
-from squeezefilm.film.profiles import Profile, landmarks_of
+from squeezefilm.film.profiles import Profile, narrow_feature_points
 from squeezefilm.film.scene import PadPositions
 from squeezefilm.film.surfaces import Rectangle, Surface
 
 Array = NDArray[np.float64]
 
-WIDTHS_DEG = (45.0, 90.0, 180.0, 360.0)
+SECTOR_WIDTHS_DEG = (45.0, 90.0, 180.0, 360.0)
 
 
 @dataclass(frozen=True)
 class Directions:
     """A sector of directions, in degrees, whose positions represent all positions.
 
-    It begins at ``start_deg`` and is ``width_deg`` wide, one of WIDTHS_DEG. With ``mirror`` its
-    edges are mirror axes; without, a turn by its width changes nothing (by 360°: no symmetry).
+    It begins at ``start_deg`` and is ``width_deg`` wide, one of SECTOR_WIDTHS_DEG. With ``mirror``
+    its edges are mirror axes; without, a turn by its width changes nothing (by 360°: no symmetry).
     """
 
     start_deg: float
@@ -54,7 +54,7 @@ class Directions:
         angle = angle % (2 * self.width_deg)
         return self.start_deg + np.minimum(angle, 2 * self.width_deg - angle)
 
-    def images(self, phi_deg: Iterable[float]) -> list[float]:
+    def equivalent_deg(self, phi_deg: Iterable[float]) -> list[float]:
         """The directions that some stand for by a square's symmetry, as far as they differ here.
 
         Mirrored at the sector's start and every 45° on, folded into the sector, each once and in
@@ -70,7 +70,7 @@ class Directions:
         # Nine digits: two ways to the same image differ by rounding.
         return sorted({round(float(angle), 9) for angle in (*self.fold(turned), *edges)})
 
-    def represent(self, *, phi_r_m: Array, phi_deg: Array) -> dict[str, Array]:
+    def representative_positions(self, *, phi_r_m: Array, phi_deg: Array) -> dict[str, Array]:
         """The positions of the same forces that lie in the sector, which has the centre."""
         return {"phi_r_m": phi_r_m, "phi_deg": np.where(phi_r_m > 0, self.fold(phi_deg), phi_deg)}
 
@@ -81,7 +81,7 @@ class Directions:
 
     def pad_positions(self, positions: Positions) -> list[tuple[float, float]]:
         """The centre, then every radius with every angle and its images (Fig. 15)."""
-        angles = self.images(positions.phi_deg)
+        angles = self.equivalent_deg(positions.phi_deg)
         return [(0.0, 0.0), *((r, angle) for r in positions.phi_r_m for angle in angles)]
 
     @property
@@ -112,7 +112,7 @@ class Mirrors:
         sides = ["x >= 0"] * self.x + ["y >= 0"] * self.y or ["any place"]
         return f"Positions are at {' and '.join(sides)}, which stand for all: the rest is mirrored."
 
-    def represent(self, *, x_m: Array, y_m: Array) -> dict[str, Array]:
+    def representative_positions(self, *, x_m: Array, y_m: Array) -> dict[str, Array]:
         """The positions of the same forces on the sides that stand for all."""
         return {"x_m": np.abs(x_m) if self.x else x_m, "y_m": np.abs(y_m) if self.y else y_m}
 
@@ -146,7 +146,7 @@ def symmetry_from_dict(plain: Any, *, source: str) -> Symmetry:
         case {"mirror_x": bool(x), "mirror_y": bool(y)}:
             return Mirrors(x, y)
         case {"start_deg": float(start) | int(start), "width_deg": width, "mirror": bool(mirror)}:
-            if isfinite(start) and width in WIDTHS_DEG:
+            if isfinite(start) and width in SECTOR_WIDTHS_DEG:
                 return Directions(float(start), float(width), mirror)
     raise InputError(f"{source}: must have start_deg, width_deg and mirror, as `fit` writes")
 
@@ -155,9 +155,9 @@ SYMMETRY_TOLERANCE = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
 ROUNDING_TOLERANCE = 1e-13
 """Values of a profile that should agree by symmetry agree to rounding, relative to its largest."""
-FEW_POINTS, MANY_POINTS = 16, 1000
+FIRST_CHECK_POINTS, ALL_CHECK_POINTS = 16, 1000
 """Points at which a profile is compared: those that most others fail, then all."""
-POSITIONS_PER_BATCH = 64
+POSITIONS_CHECKED_TOGETHER = 64
 """Positions that are compared together at many points."""
 
 
@@ -172,12 +172,14 @@ def no_symmetry(surface: Surface) -> Symmetry:
 def symmetry(pad: Pad, profile: Profile, *, surface: Surface) -> Symmetry:
     """Return the symmetry of the force over the pad's position."""
     if not isinstance(surface, Rectangle):
-        return _directions(pad, profile, surface)
-    x, y = (_is_unchanged(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0))
+        return _smallest_direction_sector(pad, profile, surface)
+    x, y = (
+        _is_unchanged_by_turn(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0)
+    )
     return Mirrors(x, y)
 
 
-def _directions(pad: Pad, profile: Profile, surface: Surface) -> Directions:
+def _smallest_direction_sector(pad: Pad, profile: Profile, surface: Surface) -> Directions:
     """The smallest sector found among subgroups of a square's symmetries.
 
     A mirror or a turn of the pad's centre about the disc's leaves the force as it is where it
@@ -188,19 +190,19 @@ def _directions(pad: Pad, profile: Profile, surface: Surface) -> Directions:
     never too small.
     """
     sectors, film = [], (pad, profile, surface)
-    for base_deg in _axes(pad, profile):
+    for base_deg in _symmetry_axes_deg(pad, profile):
         axes = [base_deg + step for step in (0, 45, 90, 135)]
-        mirrors = [axis for axis in axes if _is_unchanged(2 * axis, *film, mirror=True)]
+        mirrors = [axis for axis in axes if _is_unchanged_by_turn(2 * axis, *film, mirror=True)]
         if mirrors:
             width = 180.0 / len(mirrors)
             sectors.append(Directions(min(mirrors) % width, width, mirror=True))
             continue
-        turns = [turn for turn in (90.0, 180.0) if _is_unchanged(turn, *film)]
+        turns = [turn for turn in (90.0, 180.0) if _is_unchanged_by_turn(turn, *film)]
         sectors.append(Directions(0.0, min(turns, default=360.0), mirror=False))
     return min(sectors, key=lambda sector: sector.width_deg)
 
 
-def _axes(pad: Pad, profile: Profile) -> Iterator[float]:
+def _symmetry_axes_deg(pad: Pad, profile: Profile) -> Iterator[float]:
     """Directions at which an axis of the scene may lie: the pad's; a circle's follow the rest."""
     yield pad.rotation_deg
     if pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m:
@@ -210,7 +212,7 @@ def _axes(pad: Pad, profile: Profile) -> Iterator[float]:
         yield float(getattr(profile, "direction_deg", 0.0))
 
 
-def _is_unchanged(
+def _is_unchanged_by_turn(
     turn_deg: float, pad: Pad, profile: Profile, surface: Surface, *, mirror: bool = False
 ) -> bool:
     """Return whether a turn keeps outline, gap at rest, velocity and vibration as they are.
@@ -221,7 +223,7 @@ def _is_unchanged(
     if pad.contour:
         return False  # a measured one is its own image under no mirror, nor turn
 
-    def image(z: Any, angle_deg: float) -> Any:
+    def turned_point(z: Any, angle_deg: float) -> Any:
         return np.exp(1j * radians(angle_deg)) * (np.conj(z) if mirror else z)
 
     own_deg = turn_deg - 2 * pad.rotation_deg * mirror  # in the pad's own axes
@@ -231,15 +233,15 @@ def _is_unchanged(
         return False
     tilt = complex(pad.gap.tilt_x_m / length_x_m, pad.gap.tilt_y_m / length_y_m)
     for vector in (tilt, complex(pad.speed_x_m_per_s)):
-        if abs(image(vector, own_deg) - vector) > SYMMETRY_TOLERANCE * abs(vector):
+        if abs(turned_point(vector, own_deg) - vector) > SYMMETRY_TOLERANCE * abs(vector):
             return False
-    half_x_m, half_y_m = surface.half_m
+    half_x_m, half_y_m = surface.half_extents_m
     # Over half the surface: no two places are related by symmetry.
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, 5000))
     x_m, y_m = half_x_m * x, half_y_m * y
     on_surface = surface.reach(x_m, y_m) <= 1
     x_m, y_m = x_m[on_surface], y_m[on_surface]
-    there = image(x_m + 1j * y_m, turn_deg)
+    there = turned_point(x_m + 1j * y_m, turn_deg)
     s = profile.amplitude(x_m=x_m, y_m=y_m)
     s_there = profile.amplitude(x_m=there.real, y_m=there.imag)
     together = np.vdot(s, s_there)
@@ -262,23 +264,25 @@ def _axisymmetric(places: PadPositions) -> np.ndarray:
     if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:
         return same
     draw = np.random.default_rng(1)
-    radius = draw.uniform(0, 0.5, MANY_POINTS)
-    angle, other = draw.uniform(0, 2 * np.pi, (2, MANY_POINTS))
-    few = (values[:FEW_POINTS] for values in (radius, angle, other))
-    rows = np.flatnonzero(_same_around(places, *few))
-    for some in np.array_split(rows, 1 + len(rows) // POSITIONS_PER_BATCH):
-        same[some] = _same_around(places.subset(some), radius, angle, other)
-    x_m, y_m = landmarks_of(places.pad_profile.profile)
+    radius = draw.uniform(0, 0.5, ALL_CHECK_POINTS)
+    angle, other = draw.uniform(0, 2 * np.pi, (2, ALL_CHECK_POINTS))
+    few = (values[:FIRST_CHECK_POINTS] for values in (radius, angle, other))
+    rows = np.flatnonzero(_equal_on_circles(places, *few))
+    for some in np.array_split(rows, 1 + len(rows) // POSITIONS_CHECKED_TOGETHER):
+        same[some] = _equal_on_circles(places.subset(some), radius, angle, other)
+    x_m, y_m = narrow_feature_points(places.pad_profile.profile)
     for row in np.flatnonzero(same).tolist() if len(x_m) else ():
         from_centre = x_m - places.x_m[row] + 1j * (y_m - places.y_m[row])
         radius, angle = abs(from_centre) / pad.length_x_m, np.angle(from_centre)
         inside = radius < 0.5
         at = radius[inside], angle[inside] - radians(pad.rotation_deg), other[: inside.sum()]
-        same[row] = not inside.any() or _same_around(places.subset(slice(row, row + 1)), *at)[0]
+        same[row] = (
+            not inside.any() or _equal_on_circles(places.subset(slice(row, row + 1)), *at)[0]
+        )
     return same
 
 
-def _same_around(
+def _equal_on_circles(
     pad_positions: PadPositions, radius: np.ndarray, angle: np.ndarray, other: np.ndarray
 ) -> np.ndarray:
     """Return where a profile has the same values on circles at one angle and another, (n,)."""

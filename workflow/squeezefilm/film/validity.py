@@ -17,15 +17,18 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import MOST_NAMED, InputError, check_problems, reject_rows
+from squeezefilm.errors import MAX_ROWS_NAMED, InputError, raise_first_problem, reject_rows
 from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
-ERROR_UNVERIFIED, NOT_APPLICABLE = "modelling error unverified", "the equation does not apply"
+ERROR_UNVERIFIED, EQUATION_NOT_APPLICABLE = (
+    "modelling error unverified",
+    "the equation does not apply",
+)
 # Squeeze number below which gas is pumped in and out and hardly compressed.
-THICK_SIGMA = 20.0
+THICK_FILM_SIGMA = 20.0
 # Roughness Ra of a finely ground or lapped surface, in m.
-ROUGHNESS_M = 1e-7
+LAPPED_ROUGHNESS_M = 1e-7
 
 
 def _sound_speed(scenes: Scenes) -> Any:
@@ -33,7 +36,7 @@ def _sound_speed(scenes: Scenes) -> Any:
     return (gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3) ** 0.5
 
 
-def _over_gap(value: Any, gap: np.ndarray) -> np.ndarray:
+def _ratio_to_gap(value: Any, gap: np.ndarray) -> np.ndarray:
     return np.divide(value, gap, out=np.full(gap.shape, inf), where=gap > 0)
 
 
@@ -47,14 +50,14 @@ def _couette_reynolds(scenes: Scenes) -> Any:
 # where widest.
 SYMBOL_VALUES: dict[str, Callable[[Scenes], Any]] = {
     "h0/l": lambda s: s.h0_m / np.minimum(s.pad.length_x_m, s.pad.length_y_m),
-    "Kn": lambda s: _over_gap(s.knudsen, s.static_gap_range[0]),
+    "Kn": lambda s: _ratio_to_gap(s.knudsen, s.static_gap_range[0]),
     "Re": lambda s: s.modified_reynolds * s.static_gap_range[1] ** 2,
     "h0/λ": lambda s: s.h0_m * s.actuator.frequency_hz / _sound_speed(s),
     "Ma": lambda s: np.full(len(s), np.abs(s.pad.speed_x_m_per_s) / _sound_speed(s)),
     "Re_s": lambda s: s.shear_reynolds * s.static_gap_range[1] ** 2,
     "ρUh/μ": _couette_reynolds,
     "hv/h0": lambda s: s.closure,
-    "Ra/h": lambda s: _over_gap(ROUGHNESS_M, s.narrowest * s.h0_m),
+    "Ra/h": lambda s: _ratio_to_gap(LAPPED_ROUGHNESS_M, s.narrowest * s.h0_m),
 }
 # The list's kinds of films; ``auto`` terms are decided before (quantities/model_error.py).
 FILM_CONDITIONS: dict[str, Callable[[Scenes], Any]] = {
@@ -66,7 +69,7 @@ FILM_CONDITIONS: dict[str, Callable[[Scenes], Any]] = {
     "inertia included": lambda s: s.gas.inertia == "included",
     "thermal effects included": lambda s: s.gas.thermal == "included",
     "inertia included, σ below 20": lambda s: (
-        (s.gas.inertia == "included") & (s.sigma < THICK_SIGMA)
+        (s.gas.inertia == "included") & (s.sigma < THICK_FILM_SIGMA)
     ),
 }
 
@@ -103,10 +106,10 @@ class Limit:
         number = f"{value:.3g}" if isfinite(value) else "infinite (the gap closes)"
         named = f"{self.quantity} {self.symbol} = {number}"
         above = f"{float(f'{bound:.2g}'):g}{kind}"
-        return f"{named} is above {above}: {NOT_APPLICABLE if never else ERROR_UNVERIFIED}"
+        return f"{named} is above {above}: {EQUATION_NOT_APPLICABLE if never else ERROR_UNVERIFIED}"
 
 
-def _read(path: Path) -> tuple[Limit, ...]:
+def _read_limits(path: Path) -> tuple[Limit, ...]:
     with path.open(encoding="utf-8", newline="") as file:
         return tuple(
             Limit(quantity, symbol, films, float(unknown or inf), float(never or inf), source)
@@ -114,7 +117,7 @@ def _read(path: Path) -> tuple[Limit, ...]:
         )
 
 
-LIMITS = _read(Path(__file__).with_name("validity.csv"))
+VALIDITY_LIMITS = _read_limits(Path(__file__).with_name("validity.csv"))
 
 
 def exceeded_limits(scene: Scene, symbols: Iterable[str] = SYMBOL_VALUES) -> tuple[str, ...]:
@@ -122,7 +125,7 @@ def exceeded_limits(scene: Scene, symbols: Iterable[str] = SYMBOL_VALUES) -> tup
 
     Quantity, value, bound, consequence.
     """
-    return tuple(_exceeded_by_scene(Scenes.of([scene]), symbols)[0])
+    return tuple(_exceeded_limits_by_scene(Scenes.of([scene]), symbols)[0])
 
 
 def validity(scene: Scene) -> str:
@@ -133,14 +136,16 @@ def validity(scene: Scene) -> str:
 def validities(scenes: Scenes) -> np.ndarray:
     """Return the same for each of some scenes."""
     return np.array(
-        ["; ".join(exceeded) or OK for exceeded in _exceeded_by_scene(scenes)], dtype=object
+        ["; ".join(exceeded) or OK for exceeded in _exceeded_limits_by_scene(scenes)], dtype=object
     )
 
 
-def _exceeded_by_scene(scenes: Scenes, symbols: Iterable[str] = SYMBOL_VALUES) -> list[list[str]]:
+def _exceeded_limits_by_scene(
+    scenes: Scenes, symbols: Iterable[str] = SYMBOL_VALUES
+) -> list[list[str]]:
     """Return what each scene exceeds, in the list's order."""
     texts: list[list[str]] = [[] for _ in range(len(scenes))]
-    limits = [limit for limit in LIMITS if limit.symbol in symbols]
+    limits = [limit for limit in VALIDITY_LIMITS if limit.symbol in symbols]
     values = {symbol: SYMBOL_VALUES[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
     bounds = [[limit.bound] for limit in limits]
@@ -152,8 +157,8 @@ def _exceeded_by_scene(scenes: Scenes, symbols: Iterable[str] = SYMBOL_VALUES) -
     return texts
 
 
-GAPS_M = (1e-9, 1e-3)
-EDGE_TOLERANCE = 1e-9
+GAP_RANGE_M = (1e-9, 1e-3)
+ACTUATOR_EDGE_TOLERANCE = 1e-9
 
 
 def check_scenes(scenes: Scenes) -> None:
@@ -161,7 +166,7 @@ def check_scenes(scenes: Scenes) -> None:
     place = "operating point" if scenes.point_id.tolist() == ["1"] else None
     invalid = np.flatnonzero(~solvable_scenes(scenes)).tolist()
     problems = []
-    for row in invalid[:MOST_NAMED]:
+    for row in invalid[:MAX_ROWS_NAMED]:
         try:
             check_scene(scenes[row], place=place)
         except InputError as error:
@@ -172,14 +177,16 @@ def check_scenes(scenes: Scenes) -> None:
 def solvable_scenes(scenes: Scenes) -> np.ndarray:
     """Return which scenes have a solution and lie on the actuator, shape (n,)."""
     h0_m, hv_m = scenes.h0_m, scenes.hv_m
-    sound = (GAPS_M[0] <= h0_m) & (h0_m <= GAPS_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
+    sound = (GAP_RANGE_M[0] <= h0_m) & (h0_m <= GAP_RANGE_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
     for film, rows, scenes_of_film in scenes.split_by_film():
         outline = film.pad.edge_m()
         x_m, y_m = (
             np.add.outer(at, outline[:, k])
             for k, at in enumerate((scenes_of_film.x_m, scenes_of_film.y_m))
         )
-        sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + EDGE_TOLERANCE).all(axis=1)
+        sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + ACTUATOR_EDGE_TOLERANCE).all(
+            axis=1
+        )
     sound[sound] = (scenes if sound.all() else scenes[sound]).closure < 1
     return sound
 
@@ -193,12 +200,14 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
     Raises InputError naming the point, the factor and what is allowed.
     """
     source, h0_m, hv_m = place or f"point {scene.point_id}", scene.h0_m, scene.hv_m
-    least_um, largest_um = (1e6 * gap_m for gap_m in GAPS_M)
-    check_problems(
+    least_um, largest_um = (1e6 * gap_m for gap_m in GAP_RANGE_M)
+    raise_first_problem(
         source,
         {
             f"h0 = {1e6 * h0_m:g} µm must lie between {least_um:g} and {largest_um:g} µm: the model"
-            " of a gas film is not valid outside this range": not GAPS_M[0] <= h0_m <= GAPS_M[1],
+            " of a gas film is not valid outside this range": not GAP_RANGE_M[0]
+            <= h0_m
+            <= GAP_RANGE_M[1],
             f"hv = {1e6 * hv_m:g} µm must not be negative": not hv_m >= 0,
             f"hv = {1e6 * hv_m:g} µm reaches h0 = {1e6 * h0_m:g} µm: surface and pad touch; "
             "the amplitude must stay below the mean gap": hv_m >= h0_m,
@@ -208,13 +217,16 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
     reach = surface.reach(*outline_m.T)
     part = "a corner" if scene.pad.shape == "rectangle" else "the edge"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
-    off = f"{surface.text_at(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
-    check_problems(
-        source, {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + EDGE_TOLERANCE}
+    off = (
+        f"{surface.position_text(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
+    )
+    raise_first_problem(
+        source,
+        {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + ACTUATOR_EDGE_TOLERANCE},
     )
     contact = "they touch within the noise of the measured profile"
     if not scene.pad.gap.flat:
         contact = "the tilted or crowned pad touches the surface; pad.gap leaves too little"
-    check_problems(
+    raise_first_problem(
         source, {f"h0 = {1e6 * h0_m:g} µm, hv = {1e6 * hv_m:g} µm: {contact}": scene.closure() >= 1}
     )

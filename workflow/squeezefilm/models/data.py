@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import CARTESIAN, POLAR, cartesian, columns_as_in, polar
+from squeezefilm.film.positions import CARTESIAN, POLAR, cartesian, columns_in_form, polar
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
 
@@ -29,7 +29,7 @@ FACTOR_OF_NAME = {
 PHYSICS_COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
 """What an expression calls the results of physics that stand in a table, and their columns."""
 POSITION_COLUMNS = (*POLAR, *CARTESIAN)
-RANGE_SLACK = 1e-9
+RANGE_TOLERANCE = 1e-9
 """Relative slack at the limits of a range, for round-off."""
 
 
@@ -106,10 +106,10 @@ class Factors:
         """
         masks = {}
         for name, (low, high) in ranges.items():
-            values, slack = self.column(name), RANGE_SLACK * max(abs(low), abs(high))
+            values, slack = self.column(name), RANGE_TOLERANCE * max(abs(low), abs(high))
             masks[name] = (values < low - slack) | (values > high + slack)
             if name == "phi_deg":
-                masks[name] &= self.phi_r_m > RANGE_SLACK * ranges["phi_r_m"][1]
+                masks[name] &= self.phi_r_m > RANGE_TOLERANCE * ranges["phi_r_m"][1]
         return masks
 
     def __len__(self) -> int:
@@ -125,14 +125,14 @@ def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Fac
     """
     if limits is not None:
         known = read_columns(limits, columns=LIMIT_COLUMNS)
-        for name in columns_as_in(FACTOR_COLUMNS, points):
+        for name in columns_in_form(FACTOR_COLUMNS, points):
             if len(known) != len(points) or not np.array_equal(known[name], points[name]):
                 raise InputError(
                     f"{limits}: {name}: not the scenes of the table of forces; make it from the "
                     "same table of scenes"
                 )
         points = known
-    names = [*columns_as_in(FACTOR_COLUMNS, points), *PHYSICS_COLUMNS.values()]
+    names = [*columns_in_form(FACTOR_COLUMNS, points), *PHYSICS_COLUMNS.values()]
     given = {name: pd.to_numeric(points[name], "coerce") for name in names if name in points}
     for name, numbers in given.items():
         if (numbers.isna() & points[name].notna()).any():

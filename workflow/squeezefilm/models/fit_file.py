@@ -39,12 +39,19 @@ from squeezefilm.models.prediction_interval import PredictionInterval
 from squeezefilm.tables import read_json
 
 FILM_UNKNOWN = "not known: the fit's file does not describe its film"
-NO_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
-FORMAT = 1
+NO_VALIDATION_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
+FIT_FILE_FORMAT = 1
 """Of the file: counted up where a reader of the one before could not use it."""
-NEEDED = ("parameter_units", "ranges", "error_scale", "profile_uncertainty", "directions", "film")
+REQUIRED_KEYS = (
+    "parameter_units",
+    "ranges",
+    "error_scale",
+    "profile_uncertainty",
+    "directions",
+    "film",
+)
 """What a file has besides: without them an error or a limit would be missing unseen."""
-AMPLITUDES_TRIED = 400
+TRIAL_AMPLITUDE_COUNT = 400
 """Places at which a model is looked at before the one for a target force is refined."""
 AMPLITUDE_DIFFERENCE_STEP = 1e-4
 """Relative step of the amplitude in the slope of the force."""
@@ -87,7 +94,7 @@ class FittedModel(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="allow", populate_by_name=True)
 
-    format: StrictInt = FORMAT
+    format: StrictInt = FIT_FILE_FORMAT
     model: str
     theta: tuple[StrictFloat, ...]
     points: StrictInt
@@ -159,10 +166,10 @@ class FittedModel(BaseModel):
         given = {name: factors.column(name) for name in self.symmetry.position}
         kept = ("h0_m", "hv_m", *PHYSICS_COLUMNS.values())
         kept_columns = {name: each for name, each in factors.columns.items() if name in kept}
-        return Factors.of(**kept_columns, **self.symmetry.represent(**given))
+        return Factors.of(**kept_columns, **self.symmetry.representative_positions(**given))
 
     @property
-    def needed_table(self) -> LimitTable | None:
+    def required_limit_table(self) -> LimitTable | None:
         """The table of the asymptotic forces that the model uses, if it uses them.
 
         Raises InputError naming the file, where it has no such table.
@@ -178,10 +185,10 @@ class FittedModel(BaseModel):
     def with_limits(self, factors: Factors) -> Factors:
         """The factors with the asymptotic forces that the model needs, from the file's own table.
 
-        Raises InputError as ``needed_table``.
+        Raises InputError as ``required_limit_table``.
         """
         known = all(name in factors.columns for name in self.force_model.column_names)
-        table = None if known else self.needed_table
+        table = None if known else self.required_limit_table
         return factors if table is None else table.with_limits(factors)
 
     def evaluate(self, factors: Factors) -> Array:
@@ -215,7 +222,7 @@ class FittedModel(BaseModel):
         force, interval = np.asarray(force_n, dtype=float), self.interval
         error_95, error_99 = np.full((2, len(force)), np.nan)
         if interval is None:
-            return error_95, error_99, [f"not validated: {NO_SAMPLE}"] * len(force)
+            return error_95, error_99, [f"not validated: {NO_VALIDATION_SAMPLE}"] * len(force)
         few = "" if interval.error_95 else "too few points of the sample have a force"
         notes = [
             "; ".join(filter(None, (outside or few, "" if known else "undefined here")))
@@ -231,7 +238,11 @@ class FittedModel(BaseModel):
     @property
     def statement(self) -> str:
         """A sentence about the model's error."""
-        return f"Not validated: {NO_SAMPLE}." if self.interval is None else self.interval.statement
+        return (
+            f"Not validated: {NO_VALIDATION_SAMPLE}."
+            if self.interval is None
+            else self.interval.statement
+        )
 
     @property
     def profile_uncertainty_percent(self) -> dict[str, float]:
@@ -247,17 +258,18 @@ def read_fit(path: Path | str) -> FittedModel:
     another version.
     """
     values = read_json(path)
-    lacking = [part for part in ("format", *NEEDED) if part not in values]
-    if "not_supported" not in values and (lacking or values["format"] != FORMAT):
+    lacking = [part for part in ("format", *REQUIRED_KEYS) if part not in values]
+    if "not_supported" not in values and (lacking or values["format"] != FIT_FILE_FORMAT):
         what = f"it lacks {', '.join(lacking)}" if lacking else f"its is {values['format']}"
         raise InputError(
-            f"{path}: this version reads fits of format {FORMAT}, and {what}; fit again with this "
+            f"{path}: this version reads fits of format {FIT_FILE_FORMAT}, and {what}; fit "
+            f"again with this "
             "version (`squeezefilm fit`, or snakemake for a study)"
         )
-    return fit_of(values, source=path)
+    return fit_from_values(values, source=path)
 
 
-def fit_of(values: Mapping[str, Any], *, source: Path | str) -> FittedModel:
+def fit_from_values(values: Mapping[str, Any], *, source: Path | str) -> FittedModel:
     """A fit from what its file holds; ``source`` is the file, for messages.
 
     Raises InputError naming the place and the entry that is missing or wrong.
@@ -321,17 +333,17 @@ def amplitude_for_force(
     if not np.isfinite(force_n) or force_n == 0:
         raise InputError(f"force_n: {force_n} N is no force that an amplitude gives")
 
-    def excess(amplitude_ratio: ArrayLike) -> Array:
+    def excess_force_n(amplitude_ratio: ArrayLike) -> Array:
         at = Factors.of(h0_m=h0_m, hv_m=np.asarray(amplitude_ratio) * h0_m, **position)
         return evaluate(at) - force_n
 
-    def signed(amplitude_ratio: float, beyond: float) -> float:
-        return float(np.nan_to_num(excess(amplitude_ratio)[0], nan=beyond))
+    def signed_root_function(amplitude_ratio: float, beyond: float) -> float:
+        return float(np.nan_to_num(excess_force_n(amplitude_ratio)[0], nan=beyond))
 
     grid = np.append(
-        np.linspace(0.0, 1.0, AMPLITUDES_TRIED, endpoint=False), np.nextafter(1.0, 0.0)
+        np.linspace(0.0, 1.0, TRIAL_AMPLITUDE_COUNT, endpoint=False), np.nextafter(1.0, 0.0)
     )
-    values = excess(grid)
+    values = excess_force_n(grid)
     known = ~np.isnan(values)
     changes = (values[:-1] * values[1:] <= 0) | (known[:-1] != known[1:])
     for interval in np.flatnonzero(changes):
@@ -340,10 +352,10 @@ def amplitude_for_force(
         if values[defined]:
             ends = grid[interval : interval + 2]
             amplitude_ratio = scipy.optimize.brentq(
-                signed, *ends, args=(-values[defined],), xtol=1e-16, rtol=1e-15
+                signed_root_function, *ends, args=(-values[defined],), xtol=1e-16, rtol=1e-15
             )
         # The sign may change at a pole or at the edge, too.
-        if abs(excess(amplitude_ratio)[0]) <= 1e-9 * (1 + abs(force_n)):
+        if abs(excess_force_n(amplitude_ratio)[0]) <= 1e-9 * (1 + abs(force_n)):
             return float(amplitude_ratio) * h0_m
     rest = f"; at rest it gives {values[0] + force_n:.3g} N" if known[0] else ""
     raise InputError(

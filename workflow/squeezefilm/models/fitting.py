@@ -37,42 +37,42 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.formulas import Value
+from squeezefilm.formulas import ValueFunction
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.search import Array, Objective, SearchResult, genetic_search, nelder_mead
 from squeezefilm.parallel import parallel_map
-from squeezefilm.units import compound
+from squeezefilm.units import parse_compound
 
-UNDEFINED = 1e30
+UNDEFINED_OBJECTIVE = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
-MOST_SEARCHES = 32
-DEPENDENT_FRACTION = 1e-10
+MAX_GENETIC_SEARCHES = 32
+DEPENDENT_COLUMN_FRACTION = 1e-10
 """Share of a column's length that others do not replace, below which it counts as none."""
 FORCES_PER_CHUNK = 12_000
 """Forces evaluated at once: in 100 kB, which memory is kept for; five times as fast as 260 kB."""
-DRAWS, DRAW_SEED = 400, 1
-ASINH_SPREADS = (2.0, 16.0)
+IDENTIFIABILITY_DRAWS, IDENTIFIABILITY_SEED = 400, 1
+ASINH_THETA_SPREADS = (2.0, 16.0)
 """Parameters are drawn as sinh of a uniform number within these: up to 4 and up to 4 million."""
 CONFIDENCE_LEVEL = 0.95
-RANGES_NOTE = (
+PARAMETER_RANGES_NOTE = (
     f"{CONFIDENCE_LEVEL:.0%} profile-likelihood intervals, conditional on this plan and on the "
     "formula. They "
     "measure the lack of fit of a deterministic simulation, not noise: another plan may give "
     "intervals that do not overlap these. null is open."
 )
 """Said wherever intervals are written."""
-MOST_STEPS, OPEN_RANGE_STEP = 60, 2.0**30
+MAX_RANGE_STEPS, OPEN_RANGE_MIN_STEP = 60, 2.0**30
 """Doublings and halvings of the step away from the estimate, and its multiple, before a range
 counts as open."""
-LEAST_SINGULAR_VALUE = 1e-9
-DIRECTION_FRACTION = 0.1
-COMBINATIONS = {"/": np.divide, "*": np.multiply, " + ": np.add, " - ": np.subtract}
-COMBINATION_WIDTH_RATIO = 0.5
+MIN_SINGULAR_VALUE = 1e-9
+NULL_DIRECTION_FRACTION = 0.1
+PARAMETER_COMBINATIONS = {"/": np.divide, "*": np.multiply, " + ": np.add, " - ": np.subtract}
+MAX_COMBINATION_WIDTH_RATIO = 0.5
 """Relative change of a combination that the points determine while its parameters are unbounded."""
-WIDER_BOUND_FACTOR, MUCH_WORSE = 1e4, 1.01
+WIDER_BOUND_FACTOR, MUCH_WORSE_RATIO = 1e4, 1.01
 """Factor of the widest bound in a check of it; ratio of sums of squares that a check finds."""
-RANDOM_STARTS, RANDOM_START_RANGE, BEST_STARTS = 64, 4.0, 8
+RANDOM_START_COUNT, RANDOM_START_RANGE, BEST_START_COUNT = 64, 4.0, 8
 """Random parameters of a check, within this or the bound; best of them that least squares start at.
 The search alone ends in a false minimum of NIST's Thurber; with four starts one of six seeds does.
 """
@@ -117,15 +117,15 @@ Search = Callable[[Objective, Array, int], list[SearchResult]]
 """From an objective, bounds of ±u and a seed to rough minima."""
 
 
-def genetic(objective: Objective, limit: Array, seed: int) -> list[SearchResult]:
+def genetic_searches(objective: Objective, limit: Array, seed: int) -> list[SearchResult]:
     """Several genetic searches, stopped early."""
     # The good region's share of the box falls with every parameter: twice the searches for each.
-    count = min(2 ** (len(limit) - 1), MOST_SEARCHES)
+    count = min(2 ** (len(limit) - 1), MAX_GENETIC_SEARCHES)
     seeds = np.random.SeedSequence(seed).generate_state(count)
     return [genetic_search(objective, lower=-limit, upper=limit, seed=int(each)) for each in seeds]
 
 
-def evolution(objective: Objective, limit: Array, seed: int) -> list[SearchResult]:
+def search_by_evolution(objective: Objective, limit: Array, seed: int) -> list[SearchResult]:
     """One search by SciPy's differential evolution, as a check of the genetic ones.
 
     With five parameters and bounds of a million, about every second one ends in a false minimum.
@@ -145,7 +145,10 @@ def evolution(objective: Objective, limit: Array, seed: int) -> list[SearchResul
     return [SearchResult(x=rough.x, value=float(rough.fun), evaluations=evaluations)]
 
 
-METHODS: dict[Search, str] = {genetic: "genetic algorithm", evolution: "differential evolution"}
+NAME_OF_SEARCH: dict[Search, str] = {
+    genetic_searches: "genetic algorithm",
+    search_by_evolution: "differential evolution",
+}
 
 
 def fit_model(
@@ -155,13 +158,14 @@ def fit_model(
     *,
     bound: float = 1e6,
     seed: int = 1,
-    search: Search = genetic,
+    search: Search = genetic_searches,
 ) -> Fit:
-    """A global search within +-bound, then Nelder-Mead (paper, section III); see ``fit_by``."""
-    return fit_by([(bound, search, seed)], model, factors, force_n)[0]
+    """A global search within +-bound, then Nelder-Mead (paper, section III); see
+    ``fit_by_searches``."""
+    return fit_by_searches([(bound, search, seed)], model, factors, force_n)[0]
 
 
-def fit_by(
+def fit_by_searches(
     ways: Sequence[tuple[float, Search, int]],
     model: ExpressionModel,
     factors: Factors,
@@ -189,14 +193,14 @@ def fit_by(
         method = "linear least squares" if count else "no parameters"
         about = {"bound": ways[0][0], "seed": ways[0][2], "evaluations": 1}
         return [Fit.of(model, factors, force, theta, method=method, **about)]
-    projection = _Projection(model, factors, force)
-    objective, size = projection.objective, int(projection.searched.sum())
+    projection = _VariableProjection(model, factors, force)
+    objective, size = projection.objective, int(projection.nonlinear_parameters.sum())
 
-    def searched(way: tuple[float, Search, int]) -> list[SearchResult]:
+    def run_search(way: tuple[float, Search, int]) -> list[SearchResult]:
         bound, search, seed = way
         return search(objective, np.full(size, np.arcsinh(bound)), seed)
 
-    searches = parallel_map(searched, ways, processes=processes)
+    searches = parallel_map(run_search, ways, processes=processes)
     # A false minimum can look better while the search is rough: the best four go on for a while.
     rough = [sorted(found, key=lambda search_result: search_result.value)[:4] for found in searches]
     starts = np.array([search_result.x for found in rough for search_result in found])
@@ -210,7 +214,7 @@ def fit_by(
             factors,
             force,
             projection.theta(end.x),
-            method=f"{METHODS[search]}, then Nelder-Mead",
+            method=f"{NAME_OF_SEARCH[search]}, then Nelder-Mead",
             bound=bound,
             seed=seed,
             searches=len(found),
@@ -218,17 +222,17 @@ def fit_by(
         )
         for (bound, search, seed), found, near, end in zip(ways, searches, tried, ends, strict=True)
     ]
-    return [_checked_by_starts(run, projection) for run in runs]
+    return [_compare_with_random_starts(run, projection) for run in runs]
 
 
-def _checked_by_starts(run: Fit, projection: _Projection) -> Fit:
+def _compare_with_random_starts(run: Fit, projection: _VariableProjection) -> Fit:
     """The run, or the least squares next to random parameters if they are much better."""
     within = np.arcsinh(min(RANDOM_START_RANGE, run.bound))
-    size = RANDOM_STARTS, int(projection.searched.sum())
+    size = RANDOM_START_COUNT, int(projection.nonlinear_parameters.sum())
     drawn = np.random.default_rng(run.seed).uniform(-within, within, size)
     model, factors, force_n = projection.model, projection.factors, projection.force_n
-    best, theta = run.sum_of_squares / MUCH_WORSE, None
-    for start_row in np.argsort(projection.objective(drawn))[:BEST_STARTS]:
+    best, theta = run.sum_of_squares / MUCH_WORSE_RATIO, None
+    for start_row in np.argsort(projection.objective(drawn))[:BEST_START_COUNT]:
         try:
             end = local_fit(model, factors, force_n, projection.theta(drawn[start_row]))
         except (InputError, ValueError):  # the model is undefined there, or has no derivative
@@ -244,7 +248,7 @@ def _checked_by_starts(run: Fit, projection: _Projection) -> Fit:
 
 
 @dataclass(frozen=True)
-class _Projection:
+class _VariableProjection:
     """A model at n points with its linear parameters eliminated (variable projection).
 
     The parameters in which the force is linear have their best values at any others: the search
@@ -258,7 +262,7 @@ class _Projection:
     force_n: Array
 
     @cached_property
-    def searched(self) -> NDArray[np.bool_]:
+    def nonlinear_parameters(self) -> NDArray[np.bool_]:
         """Mask of the parameters that are not linear, shape (p,)."""
         linear = self.model.linear_names
         return np.array([name not in linear for name in self.model.parameter_names])
@@ -266,17 +270,17 @@ class _Projection:
     @cached_property
     def _size(self) -> Array:
         """Units of the parameters that are searched for, by the forces' root mean square."""
-        units = np.array(self.model.parameter_units)[self.searched]
-        known = [compound(str(unit)) for unit in units]
+        units = np.array(self.model.parameter_units)[self.nonlinear_parameters]
+        known = [parse_compound(str(unit)) for unit in units]
         powers = [float(unit.dimension.get("N", 0)) if unit else 0.0 for unit in known]
         size_n = np.linalg.norm(self.force_n) / np.sqrt(len(self.force_n))
         return np.asarray(size_n ** np.array(powers))
 
     @cached_property
-    def _value(self) -> Value:
-        return self.model.parsed.with_known(self.model.columns_of(self.factors))
+    def _value(self) -> ValueFunction:
+        return self.model.parsed.with_known_values(self.model.columns_of(self.factors))
 
-    def _parts(self, u: Array) -> tuple[Array, Array]:
+    def _residual_and_linear_columns(self, u: Array) -> tuple[Array, Array]:
         """Force less its part without linear parameters (m, n); columns of these (m, k, n)."""
         names, linear = self.model.parameter_names, self.model.linear_names
         searched = [name for name in names if name not in linear]
@@ -294,16 +298,18 @@ class _Projection:
         rows = max(FORCES_PER_CHUNK // (len(self.force_n) * (len(self.model.linear_names) + 1)), 1)
         starts = range(0, len(u), rows)
         with np.errstate(all="ignore"):
-            return np.concatenate([self._squares(u[start : start + rows]) for start in starts])
+            return np.concatenate(
+                [self._sums_of_squares(u[start : start + rows]) for start in starts]
+            )
 
-    def _squares(self, u: Array) -> Array:
-        residual, columns = self._parts(u)
+    def _sums_of_squares(self, u: Array) -> Array:
+        residual, columns = self._residual_and_linear_columns(u)
         length = np.linalg.norm(columns, axis=-1)
         for column_index in range(
             columns.shape[1]
         ):  # Gram and Schmidt's, modified: no unit of force
             left = np.linalg.norm(columns[:, column_index], axis=-1)
-            left[left < DEPENDENT_FRACTION * length[:, column_index]] = (
+            left[left < DEPENDENT_COLUMN_FRACTION * length[:, column_index]] = (
                 np.inf
             )  # for one that others replace
             unit = columns[:, column_index] / left[:, None]
@@ -312,19 +318,21 @@ class _Projection:
             projections = np.sum(unit[:, None] * rest, axis=-1)
             columns[:, column_index + 1 :] = rest - projections[..., None] * unit[:, None]
         squares = np.sum(residual**2, axis=-1) / np.sum(self.force_n**2)
-        return np.fmin(squares, UNDEFINED)  # which takes the number where squares are none
+        return np.fmin(
+            squares, UNDEFINED_OBJECTIVE
+        )  # which takes the number where squares are none
 
     def theta(self, u: Array) -> Array:
         """All parameters, shape (p,), from those that were searched for, shape (q,)."""
-        theta = np.zeros(len(self.searched))
-        theta[self.searched] = self._size * np.sinh(u)
+        theta = np.zeros(len(self.nonlinear_parameters))
+        theta[self.nonlinear_parameters] = self._size * np.sinh(u)
         with np.errstate(all="ignore"):
-            (wanted,), (columns,) = self._parts(u[None])
-        theta[~self.searched] = _linear_solution(columns.T, wanted)
+            (wanted,), (columns,) = self._residual_and_linear_columns(u[None])
+        theta[~self.nonlinear_parameters] = _linear_solution(columns.T, wanted)
         return theta
 
 
-def checked_bounds(
+def best_run_of_bounds(
     runs: Sequence[Fit], model: ExpressionModel, factors: Factors, force_n: Array
 ) -> tuple[Fit, list[str]]:
     """The best of a model's runs, or of wider bounds if it is much better, and what to note."""
@@ -334,7 +342,7 @@ def checked_bounds(
         return best, []
     wider = fit_model(model, factors, force_n, bound=WIDER_BOUND_FACTOR * widest, seed=best.seed)
     rounding = 1e-20 * float(np.sum(force_n**2))
-    if best.sum_of_squares > MUCH_WORSE * wider.sum_of_squares + rounding:
+    if best.sum_of_squares > MUCH_WORSE_RATIO * wider.sum_of_squares + rounding:
         return wider, [
             f"fit.bounds up to {widest:g} are too narrow: the sum of squares there is "
             f"{best.sum_of_squares:.4g} N², with {wider.bound:g} it is "
@@ -374,16 +382,16 @@ def local_fit(
     theta = np.array(start, dtype=float)
     free = np.arange(len(theta)) != (-1 if fixed is None else fixed)
 
-    def whole(part: Array) -> Array:
+    def all_parameters(part: Array) -> Array:
         full = theta.copy()
         full[free] = part
         return full
 
     def residuals(part: Array) -> Array:
-        return model.evaluate(whole(part), factors) - np.asarray(force_n, dtype=float)
+        return model.evaluate(all_parameters(part), factors) - np.asarray(force_n, dtype=float)
 
-    def slopes(part: Array) -> Array:
-        return model.gradient(whole(part), factors)[:, free]
+    def residual_jacobian(part: Array) -> Array:
+        return model.gradient(all_parameters(part), factors)[:, free]
 
     begun = residuals(theta[free])
     if np.isnan(begun).any():
@@ -392,13 +400,15 @@ def local_fit(
     if not free.any():
         return theta
     if model.is_linear:  # exact in one step, whatever the parameters' sizes
-        return whole(theta[free] + _linear_solution(slopes(theta[free]), -begun))
+        return all_parameters(
+            theta[free] + _linear_solution(residual_jacobian(theta[free]), -begun)
+        )
     tolerances = dict.fromkeys(("xtol", "ftol", "gtol"), 1e-15)
     with np.errstate(all="ignore"):  # steps may lead far away, and are taken back
         optimum = scipy.optimize.least_squares(
-            residuals, theta[free], jac=slopes, x_scale="jac", **tolerances
+            residuals, theta[free], jac=residual_jacobian, x_scale="jac", **tolerances
         )
-    return whole(optimum.x)
+    return all_parameters(optimum.x)
 
 
 def sum_of_squares(
@@ -418,10 +428,10 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
     Raises InputError naming the parameters that the points cannot tell apart, or a model that is
     undefined wherever it was tried.
     """
-    count, random = len(model.parameter_names), np.random.default_rng(DRAW_SEED)
+    count, random = len(model.parameter_names), np.random.default_rng(IDENTIFIABILITY_SEED)
     best, direction = -1.0, np.zeros(count)
-    for draw in range(DRAWS if count else 0):
-        spread = ASINH_SPREADS[draw % len(ASINH_SPREADS)]
+    for draw in range(IDENTIFIABILITY_DRAWS if count else 0):
+        spread = ASINH_THETA_SPREADS[draw % len(ASINH_THETA_SPREADS)]
         theta = np.sinh(random.uniform(-spread, spread, count))
         try:
             gradient = model.gradient(theta, factors)
@@ -434,12 +444,12 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
             continue
         scaled = gradient / np.where(length > 0, length, 1.0)
         _, values, directions = np.linalg.svd(scaled, full_matrices=False)
-        if values[-1] > LEAST_SINGULAR_VALUE:
+        if values[-1] > MIN_SINGULAR_VALUE:
             return
         if values[-1] > best:
             best, direction = float(values[-1]), directions[-1]
     if best >= 0:
-        large = np.abs(direction) > DIRECTION_FRACTION * np.abs(direction).max()
+        large = np.abs(direction) > NULL_DIRECTION_FRACTION * np.abs(direction).max()
         names = np.array(model.parameter_names)[large]
         what = "has no effect on the force" if len(names) == 1 else "cannot be told apart"
         raise InputError(
@@ -448,7 +458,8 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
         )
     if count:
         raise InputError(
-            f"{model.source}: the formula is undefined at {DRAWS} random parameter sets; no fit "
+            f"{model.source}: the formula is undefined at {IDENTIFIABILITY_DRAWS} random "
+            f"parameter sets; no fit "
             "can start from there"
         )
 
@@ -476,7 +487,7 @@ class ParameterRange:
         return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
-def _starts_along(theta: Array, index: int, value: float) -> list[Array]:
+def _starts_with_value(theta: Array, index: int, value: float) -> list[Array]:
     """Starts (p,) with a new value of a parameter: the others kept, or one in proportion to it.
 
     Points may determine the quotient or the product of two parameters and neither of them.
@@ -510,10 +521,10 @@ def open_range_notes(ranges: Sequence[ParameterRange]) -> list[str]:
         )
         estimate = [parameter.estimate for parameter in ranges]
         a, b = np.array([estimate, *ends])[:, [names.index(one.name), names.index(other.name)]].T
-        for operator, combine in COMBINATIONS.items():
+        for operator, combine in PARAMETER_COMBINATIONS.items():
             with np.errstate(all="ignore"):
                 values = combine(a, b)
-            if np.ptp(values) < COMBINATION_WIDTH_RATIO * abs(values[0]):
+            if np.ptp(values) < MAX_COMBINATION_WIDTH_RATIO * abs(values[0]):
                 what = f"{one.name}{operator}{other.name}"
                 statements.append(f"only {what} is determined by these points")
                 paired |= {one.name, other.name}
@@ -546,15 +557,15 @@ def parameter_ranges(
     usable = (spread > 1e-12 * np.abs(theta)) & (spread < 1e3 * np.abs(theta))
     spread = np.where(usable | (theta == 0) & (spread > 0), spread, 0.1 * np.abs(theta) + 1e-6)
 
-    def end(index: int, step: float) -> tuple[float, Array]:
+    def range_end(index: int, step: float) -> tuple[float, Array]:
         """End of the range on one side, at the allowed sum of squares, and theta there."""
         tried = {0.0: (theta, least - allowed)}
 
-        def excess(way: float) -> float:
+        def excess_sum_of_squares(way: float) -> float:
             if way not in tried:
                 defined = [each for each in tried if tried[each][1] < np.inf]
                 near = tried[min(defined, key=lambda each: abs(each - way))][0]
-                starts = _starts_along(near, index, float(theta[index] + way * step))
+                starts = _starts_with_value(near, index, float(theta[index] + way * step))
                 at = min(starts, key=lambda at: sum_of_squares(model, factors, force_n, at))
                 if np.isfinite(sum_of_squares(model, factors, force_n, at)):
                     at = local_fit(model, factors, force_n, at, fixed=index)
@@ -562,9 +573,9 @@ def parameter_ranges(
             return tried[way][1]
 
         inside, way = 0.0, 1.0
-        for _ in range(MOST_STEPS):
-            above = excess(way)
-            if above <= 0 and way > OPEN_RANGE_STEP:
+        for _ in range(MAX_RANGE_STEPS):
+            above = excess_sum_of_squares(way)
+            if above <= 0 and way > OPEN_RANGE_MIN_STEP:
                 break
             if above <= 0:
                 inside, way = way, 2 * way
@@ -573,14 +584,14 @@ def parameter_ranges(
                 way = (inside + way) / 2
                 if way - inside >= 1e-9:
                     continue
-            elif excess(inside) < 0:  # not so of a fit whose residual is rounding
-                inside = float(scipy.optimize.brentq(excess, inside, way, xtol=1e-6))
+            elif excess_sum_of_squares(inside) < 0:  # not so of a fit whose residual is rounding
+                inside = float(scipy.optimize.brentq(excess_sum_of_squares, inside, way, xtol=1e-6))
             return float(theta[index] + inside * step), tried[inside][0]
         return float(np.copysign(np.inf, step)), tried[inside][0]
 
     ranges = []
     for index, step in enumerate(spread.tolist()):
-        (lower, theta_lower), (upper, theta_upper) = end(index, -step), end(index, step)
+        (lower, theta_lower), (upper, theta_upper) = range_end(index, -step), range_end(index, step)
         name, unit = model.parameter_names[index], model.parameter_units[index]
         ends = (lower, upper, tuple(theta_lower.tolist()), tuple(theta_upper.tolist()))
         ranges.append(ParameterRange(name, unit, float(theta[index]), *ends))

@@ -23,14 +23,21 @@ from numpy.typing import ArrayLike
 from squeezefilm.config.study import OwnModel, Study
 from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN, POLAR
-from squeezefilm.formulas import Expression, Operation, constants_of, fold, parameter_units, parse
+from squeezefilm.formulas import (
+    Expression,
+    Operation,
+    constants_of,
+    fold_formula,
+    parameter_units,
+    parse_formula,
+)
 from squeezefilm.models.data import FACTOR_OF_NAME, PHYSICS_COLUMNS, Array, Factors
 
 LIBRARY_FILE = Path(__file__).with_name("models.yaml")
 UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
 FACTOR_SPACES = ("two_factor", "four_factor")
 """Where models are compared: the pad centred, or anywhere."""
-MOST_PARAMETERS = 30
+MAX_PARAMETERS = 30
 COMPLEX_STEP = 1e-30
 """Of the complex step of derivatives, over the parameter's magnitude."""
 REAL_DIFFERENCE_STEP = 1e-6
@@ -85,7 +92,7 @@ class ExpressionModel:
         """Parameters in which the force is linear, all the others fixed."""
         names: tuple[str, ...] = ()
         for name in self.parameter_names:
-            if _degree(self.parsed, (*names, name)) <= 1:
+            if _degree_in_parameters(self.parsed, (*names, name)) <= 1:
                 names = (*names, name)
         return names
 
@@ -154,10 +161,10 @@ class ExpressionModel:
         }
 
 
-def _degree(expression: Expression, parameters: tuple[str, ...]) -> float:
+def _degree_in_parameters(expression: Expression, parameters: tuple[str, ...]) -> float:
     """Degree of a formula as a polynomial of the parameters; infinite where it is none."""
 
-    def degree(part: Operation, degrees: list[float]) -> float:
+    def degree_of_operation(part: Operation, degrees: list[float]) -> float:
         if part.operator in ("+", "-", "negative"):
             return max(degrees)
         if part.operator == "*":
@@ -165,7 +172,9 @@ def _degree(expression: Expression, parameters: tuple[str, ...]) -> float:
         constant = not any(degrees[1:] if part.operator == "/" else degrees)
         return degrees[0] if constant else inf
 
-    return fold(expression.root, lambda leaf: float(leaf in parameters), degree)
+    return fold_formula(
+        expression.root, lambda leaf: float(leaf in parameters), degree_of_operation
+    )
 
 
 def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> ExpressionModel:
@@ -184,11 +193,11 @@ def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> Expres
                 f"{source}.parameters: {parameter!r} cannot name a parameter; take letters, digits "
                 f"and _, and none of {', '.join(known)}"
             )
-    usual = tuple(f"t{index}" for index in range(MOST_PARAMETERS))
+    usual = tuple(f"t{index}" for index in range(MAX_PARAMETERS))
     given = settings.get("constants", {})
     constants = constants_of(given, names=(*known, *declared, *usual), source=source)
     where = f"{source}.expression"
-    expression = parse(
+    expression = parse_formula(
         settings["expression"],
         names=(*known, *declared, *usual),
         known=", ".join((*known, *declared, "pi", "and the parameters t0, t1, …")),
@@ -220,7 +229,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> Expres
 
 
 @cache
-def library() -> Mapping[str, ExpressionModel]:
+def library_models() -> Mapping[str, ExpressionModel]:
     """The models of models.yaml, by name."""
     entries = yaml.safe_load(LIBRARY_FILE.read_text(encoding="utf-8"))
     return {name: make_model(name, entry, source=name) for name, entry in entries.items()}
@@ -238,12 +247,14 @@ def get_model(
     if name in own:
         entry = own[name].model_dump(exclude_none=True)
         return make_model(name, entry, source=f"{source}: models.{name}")
-    if name not in library():
-        raise InputError(f"model {name!r} is unknown; known are {', '.join((*own, *library()))}")
-    return library()[name]
+    if name not in library_models():
+        raise InputError(
+            f"model {name!r} is unknown; known are {', '.join((*own, *library_models()))}"
+        )
+    return library_models()[name]
 
 
-def check_models(study: Study) -> None:
+def check_models_of_study(study: Study) -> None:
     """Read every model of a study: its own, and those that are compared and refined.
 
     Raises InputError naming the place of an invalid formula, of a name that is the
@@ -251,7 +262,7 @@ def check_models(study: Study) -> None:
     """
     own, path = study.models, study.path
     for name in own:
-        if name in library():
+        if name in library_models():
             raise InputError(
                 f"{path}: models.{name}: the library has a model of this name; take another"
             )
@@ -263,7 +274,7 @@ def check_models(study: Study) -> None:
                     get_model(name, own, source=path)
 
 
-def check_columns(model: ExpressionModel, factors: Factors) -> None:
+def check_columns_known(model: ExpressionModel, factors: Factors) -> None:
     """Check that a model's columns are known at every point.
 
     Raises InputError naming the column, and what to do.

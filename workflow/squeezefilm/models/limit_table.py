@@ -15,11 +15,11 @@ from numpy.polynomial import chebyshev
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
 from squeezefilm.film.positions import position_form
-from squeezefilm.models.data import RANGE_SLACK, Array, Factors
+from squeezefilm.models.data import RANGE_TOLERANCE, Array, Factors
 
 AXIS_NAMES = ("h0_m", "epsilon_square")
 """And the two of the position."""
-BATCH = 1024
+POINTS_PER_BATCH = 1024
 
 
 class LimitTable(BaseModel):
@@ -65,7 +65,7 @@ class LimitTable(BaseModel):
         values = {**factors.columns, "epsilon_square": factors.epsilon**2}
         inside = ~np.any(list(Factors(values).outside(self.axes).values()), axis=0)
         if "phi_deg" in self.axes:  # every direction is the same at the centre
-            at_centre = factors.phi_r_m <= RANGE_SLACK * self.axes["phi_r_m"][1]
+            at_centre = factors.phi_r_m <= RANGE_TOLERANCE * self.axes["phi_r_m"][1]
             values["phi_deg"] = np.where(at_centre, self.axes["phi_deg"][0], factors.phi_deg)
         low, high = np.array(list(self.axes.values())).T[:, :, None]
         at, half = np.array([values[axis] for axis in self.axes]), (high - low) / 2
@@ -86,7 +86,9 @@ def _chebyshev_sums(table: Array, table_coordinates: Array) -> Array:
     """Sums of Chebyshev polynomials with a table of coefficients, at places (4, n) in [-1, 1]."""
     parts = []
     for batch in np.array_split(
-        table_coordinates, range(BATCH, table_coordinates.shape[1], BATCH), axis=1
+        table_coordinates,
+        range(POINTS_PER_BATCH, table_coordinates.shape[1], POINTS_PER_BATCH),
+        axis=1,
     ):
         part = table[None]
         for coordinate, points in zip(batch[::-1], table.shape[::-1], strict=True):

@@ -36,13 +36,13 @@ from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.fitting import local_fit
 from squeezefilm.models.force_model import ExpressionModel
 
-SCAN_LEVEL = 0.95
+PROFILE_UNCERTAINTY_LEVEL = 0.95
 """Level at which the uncertainty of a measured profile is stated."""
-LEAST_FORCE_FRACTION = 0.1
+MIN_FORCE_FRACTION = 0.1
 """Constant part of the scale over the mean force, where no residual tells it."""
 NORMAL_QUANTILES = {0.95: 1.959964, 0.99: 2.575829}
 """Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
-THIRD_NAMES = ("low", "middle", "high")
+NAMES_OF_THIRDS = ("low", "middle", "high")
 
 
 class PredictionInterval(BaseModel):
@@ -55,7 +55,7 @@ class PredictionInterval(BaseModel):
         points: simulations of the sample; ``failed`` of them have no force, or no modelled one.
         calibration_points: those that the half widths come from.
         mean_coverage: share of the other half inside the 95 % interval.
-        coverage: the same by region (``regions``).
+        coverage: the same by region (``masks_of_thirds``).
         profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %; it is
             part of error_95 and error_99.
     """
@@ -100,7 +100,7 @@ class PredictionInterval(BaseModel):
         parts = []
         for name, (low, high) in self.ranges.items():
             column = COLUMNS[name]
-            extent = " to ".join(f"{column.shown(end):.4g}" for end in sorted({low, high}))
+            extent = " to ".join(f"{column.in_shown_unit(end):.4g}" for end in sorted({low, high}))
             parts.append(f"{column.text_symbol} {extent} {column.shown_unit}")
         return ", ".join(parts)
 
@@ -119,7 +119,7 @@ class PredictionInterval(BaseModel):
         return [note.removeprefix("; ") for note in notes]
 
 
-def film_folds(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
+def fold_of_points(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
     """Fold of each point, shape (n,): of as many as asked for, or as there are pairs of a gap and
     an amplitude if these are fewer; all points of a pair belong to one."""
     films = pd.DataFrame({"h0_m": factors.h0_m, "hv_m": factors.hv_m})
@@ -137,9 +137,9 @@ def held_out_predictions(
 ) -> Array:
     """Each point's force by the model fitted to the other folds of films, in newtons, shape (n,).
 
-    ``theta`` is where the fits start: that of all points; ``folds`` are those of ``film_folds``.
-    NaN where the model, fitted to the others, is undefined, and everywhere where a fold leaves
-    fewer points than parameters. Raises InputError where a fit is impossible.
+    ``theta`` is where the fits start: that of all points; ``folds`` are those of
+    ``fold_of_points``. NaN where the model, fitted to the others, is undefined, and everywhere
+    where a fold leaves fewer points than parameters. Raises InputError where a fit is impossible.
     """
     force = np.asarray(force_n, dtype=float)
     predicted = np.full(len(force), np.nan)
@@ -168,7 +168,7 @@ def relative_errors(*, model_n: ArrayLike, simulation_n: ArrayLike) -> Array:
     return np.asarray((model - simulation) / simulation)
 
 
-def error_sizes(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, float]:
+def error_statistics(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, float]:
     """Errors of modelled against simulated forces, both in newtons, shape (n,), in four numbers.
 
     ``global_error`` is |model - simulation|/|simulation|, ``root_mean_square_n`` and ``largest_n``
@@ -185,11 +185,11 @@ def error_sizes(*, model_n: ArrayLike, simulation_n: ArrayLike) -> dict[str, flo
     }
 
 
-def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float]:
+def error_scale_of_residuals(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float]:
     """Constant a in newtons and share b of a scale a + b·|force| of a model's errors.
 
     From the residuals at held-out points, shape (n,), by non-negative least squares on
-    their magnitudes. Without any (NaN) the share is 1 and the constant LEAST_FORCE_FRACTION of the
+    their magnitudes. Without any (NaN) the share is 1 and the constant MIN_FORCE_FRACTION of the
     mean force.
     """
     from scipy.optimize import nnls  # slow to import
@@ -199,14 +199,14 @@ def error_scale(residual_n: ArrayLike, force_n: ArrayLike) -> tuple[float, float
     residual, force = residual[known], force[known]
     largest = float(np.max(force, initial=0.0))
     if not largest or not np.any(residual):
-        return LEAST_FORCE_FRACTION * mean, 1.0
+        return MIN_FORCE_FRACTION * mean, 1.0
     columns = np.column_stack([np.ones(len(force)), force / largest])
     (constant, relative), _ = nnls(columns, residual)
     # A scale of zero at zero force would leave the errors there without a finite score.
     return max(float(constant), 1e-3 * float(residual.mean())), float(relative) / largest
 
 
-def ranking_half(points: int) -> NDArray[np.bool_]:
+def ranking_points_mask(points: int) -> NDArray[np.bool_]:
     """Mask of the validation points that rank models, shape (points,); the others calibrate."""
     return np.arange(points) % 2 == 0
 
@@ -227,7 +227,7 @@ def measured_interval(
         factors: n independent points, uniform over the declared space.
         force_n, force_error_n: simulated forces and their numerical errors; NaN where there is
             none.
-        scale: what ``error_scale`` returns.
+        scale: what ``error_scale_of_residuals`` returns.
         ranges: of the declared space.
         profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %.
     """
@@ -235,12 +235,12 @@ def measured_interval(
     constant, relative = scale
     score = (np.abs(model - force) + own) / (constant + relative * np.abs(model))
     score[~np.isfinite(score)] = np.inf
-    ranking = ranking_half(len(score))
+    ranking = ranking_points_mask(len(score))
     calibration = np.append(np.sort(score[~ranking]), np.inf)
     errors, quantiles = [], []
     for level, normal in NORMAL_QUANTILES.items():
         quantiles.append(quantile := calibration[ceil(len(calibration) * level) - 1])
-        scan = profile_uncertainty * normal / NORMAL_QUANTILES[SCAN_LEVEL]
+        scan = profile_uncertainty * normal / NORMAL_QUANTILES[PROFILE_UNCERTAINTY_LEVEL]
         known = np.isfinite(quantile)
         errors.append((constant * quantile, relative * quantile + scan) if known else None)
     inside = np.isfinite(score) & (score <= quantiles[0])
@@ -254,13 +254,13 @@ def measured_interval(
         mean_coverage=float(inside[ranking].mean()),
         coverage=tuple(
             {"quantity": name, "third": third, "coverage": float(inside[ranking][mask].mean())}
-            for name, third, mask in regions(factors.take(ranking))
+            for name, third, mask in masks_of_thirds(factors.take(ranking))
         ),
         profile_uncertainty=profile_uncertainty,
     )
 
 
-def regions(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
+def masks_of_thirds(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
     """Each quantity that varies with each of its thirds and a mask of its points, shape (n,).
 
     A quantity's range is cut at its terciles over the points, which fill the space evenly.
@@ -270,7 +270,7 @@ def regions(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
         if len(values) and np.ptp(values) > 0:
             part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
             yield from (
-                (name, third, part == k) for k, third in enumerate(THIRD_NAMES) if k in part
+                (name, third, part == k) for k, third in enumerate(NAMES_OF_THIRDS) if k in part
             )
 
 
@@ -285,7 +285,7 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
     if not squares.sum() > 0:
         raise InputError("error by region: no error is known, or all are zero")
     worst: dict[str, tuple[float, str]] = {}
-    for name, third, inside in regions(factors):
+    for name, third, inside in masks_of_thirds(factors):
         fraction = float(squares[inside].sum() / squares.sum())
         if fraction > worst.get(name, (0.0, ""))[0]:
             worst[name] = fraction, f"{third} third of the {COLUMNS[name].label}"

@@ -7,16 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SIMPLEX_TOLERANCE, MOST_STEPS = 1e-8, 200
+SIMPLEX_TOLERANCE, MAX_SIMPLEX_STEPS = 1e-8, 200
 """Distance of a simplex's corners at its end; most of its steps per dimension, as SciPy has it."""
-LEAST_FALL, LEAST_FALL_UNENDED = 1e-12, 1e-7
+MIN_DECREASE, MIN_DECREASE_UNFINISHED = 1e-12, 1e-7
 """Shares by which a simplex has to fall to be started anew: one that ended, and one whose steps ran
 out, as in a valley that leads to infinity."""
-SIMPLEX_STEPS = np.array([1.0, 2.0, 0.5, -0.5])[:, None, None]
+SIMPLEX_STEP_FACTORS = np.array([1.0, 2.0, 0.5, -0.5])[:, None, None]
 """From the centre away from the worst corner: reflection, expansion, contractions on both sides."""
-CROSSOVER_INDEX, MUTATION_INDEX, MOST_CHANGED = 15.0, 20.0, 0.9
+CROSSOVER_INDEX, MUTATION_INDEX, CROSSOVER_PROBABILITY = 15.0, 20.0, 0.9
 """Distribution indices η; the share of pairs that are crossed, and of candidates that mutate."""
-SAME_VALUE = 1e-14
+EQUAL_VALUE_DISTANCE = 1e-14
 """Values of parents that are closer are not crossed."""
 Objective = Callable[[Array], Array]
 """Values (m,) of a population (m, d)."""
@@ -77,12 +77,12 @@ def _children(
     for tie in np.flatnonzero(first == second):
         winners[tie] = random.choice(rivals[tie])
     parents = np.swapaxes(x[winners.reshape(pairs, 2)], 0, 1)
-    crossed = random.random(pairs) < MOST_CHANGED
+    crossed = random.random(pairs) < CROSSOVER_PROBABILITY
     random.random(pairs)  # pymoo's draw for an exchange that always happens
     offspring = crossover(parents, lower, upper, random)
     children = np.where(crossed[:, None], offspring, parents).reshape(x.shape)
     mutants = mutation(children, lower, upper, random)
-    return np.where(random.random(count)[:, None] <= MOST_CHANGED, mutants, children)
+    return np.where(random.random(count)[:, None] <= CROSSOVER_PROBABILITY, mutants, children)
 
 
 def crossover(parents: Array, lower: Array, upper: Array, random: np.random.Generator) -> Array:
@@ -91,7 +91,7 @@ def crossover(parents: Array, lower: Array, upper: Array, random: np.random.Gene
     A pair's children lie about its parents, spread β times as far apart, with a density of
     ~ β^η up to 1 and β^−(η+2) above, cut at the limits (Deb and Agrawal, Complex Systems 9, 1995).
     """
-    apart = np.abs(parents[0] - parents[1]) > SAME_VALUE
+    apart = np.abs(parents[0] - parents[1]) > EQUAL_VALUE_DISTANCE
     chosen = (random.random(apart.shape) < 0.5) & apart & (lower < upper)
     least, most = (np.broadcast_to(each, apart.shape)[chosen] for each in (lower, upper))
     near, far = np.sort(parents[:, chosen], axis=0)
@@ -143,12 +143,14 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
         if not len(falling):
             break
         before = value[falling]
-        lower, lower_value, count, ended = _simplexes(objective, x[falling], LEAST_FALL * before)
+        lower, lower_value, count, ended = _run_simplexes(
+            objective, x[falling], MIN_DECREASE * before
+        )
         evaluations[falling] += count
         fell = before - lower_value
         x[falling] = np.where((fell > 0)[:, None], lower, x[falling])
         value[falling] = np.where(fell > 0, lower_value, value[falling])
-        least = np.where(ended, LEAST_FALL, LEAST_FALL_UNENDED) * value[falling] + 1e-26
+        least = np.where(ended, MIN_DECREASE, MIN_DECREASE_UNFINISHED) * value[falling] + 1e-26
         falling = falling[fell > least]
     return [
         SearchResult(*minimum)
@@ -156,7 +158,7 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
     ]
 
 
-def _simplexes(
+def _run_simplexes(
     objective: Objective, starts: Array, tolerance: Array
 ) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
     """Ends of simplexes, shape (k, d), the values there, the evaluations that each needed and
@@ -173,18 +175,18 @@ def _simplexes(
     corners[:, axes + 1, axes] = np.where(starts == 0, 0.00025, 1.05 * starts)
     values = objective(corners.reshape(-1, size)).reshape(count, size + 1)
     evaluations, simplex_rows = np.full(count, size + 1), np.arange(count)[:, None]
-    for iteration in range(MOST_STEPS * size):
+    for iteration in range(MAX_SIMPLEX_STEPS * size):
         order = np.argsort(values, axis=1)
         corners, values = corners[simplex_rows, order], values[simplex_rows, order]
         apart = np.abs(corners[:, 1:] - corners[:, :1]).max(axis=(1, 2)) > SIMPLEX_TOLERANCE
         apart |= np.abs(values[:, 1:] - values[:, :1]).max(axis=1) > tolerance
         now = np.flatnonzero(apart)
-        if not len(now) or iteration == MOST_STEPS * size - 1:
+        if not len(now) or iteration == MAX_SIMPLEX_STEPS * size - 1:
             break
         best, second, worst = values[now][:, [0, -2, -1]].T
         centre, last = corners[now, :-1].sum(axis=1) / size, corners[now, -1]
-        tried = (1 + SIMPLEX_STEPS) * centre - SIMPLEX_STEPS * last
-        tried_value = objective(tried.reshape(-1, size)).reshape(len(SIMPLEX_STEPS), -1)
+        tried = (1 + SIMPLEX_STEP_FACTORS) * centre - SIMPLEX_STEP_FACTORS * last
+        tried_value = objective(tried.reshape(-1, size)).reshape(len(SIMPLEX_STEP_FACTORS), -1)
         reflected = tried_value[0]
         # A second step unless the reflection is kept: outwards, or to either side of the centre.
         step = np.where(reflected < best, 1, np.where(reflected < worst, 2, 3))

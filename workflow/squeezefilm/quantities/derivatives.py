@@ -12,28 +12,28 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.states import (
-    NUMBERS_PER_BATCH,
+    STATE_VALUES_PER_BATCH,
     error_of_change,
     groups_on_equal_grids,
     with_states,
 )
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.packing import numbers_table
+from squeezefilm.reynolds.packing import equation_numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.resolution import profile_ratio
+from squeezefilm.reynolds.periodic.resolution import profile_error_ratio
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid
 from squeezefilm.solution import DERIVATIVES, Derivatives, Solution, Solutions
 
 # Below this, iterations would end in rounding.
-LEAST_TOLERANCE = 1e-8
+MIN_FORCE_TOLERANCE = 1e-8
 # A derivative's change from grid to grid is no less than this fraction of the largest of a scene's:
 # without it 15 of 5156 of 200 random films were off by up to 8 times their error.
-FRACTION_OF_OTHERS = 0.3
+MIN_CHANGE_FRACTION = 0.3
 # Half of the difference, over the number's unit, and what third order misses of the quotient.
 DIFFERENCE_STEP, DIFFERENCE_STEP_ERROR = 3e-5, 1e-6
 # Fraction of the tolerance, times the step, that the iterations of the two films may leave.
-ITERATION_FRACTION_OF_STEP = 0.1
+ITERATION_ERROR_FRACTION_OF_STEP = 0.1
 NEIGHBOUR_NOT_CONVERGED = "not converged: a film beside this one, for the derivatives"
 
 
@@ -48,7 +48,7 @@ def with_derivatives(
 
     They are those of the periodic state, by whichever method its force was found.
     """
-    tolerance = max(tolerance, LEAST_TOLERANCE)
+    tolerance = max(tolerance, MIN_FORCE_TOLERANCE)
     solutions = Solutions.of(solutions)
     known = np.flatnonzero(np.isfinite(solutions.force_n))
     films = Scenes.of(scenes)[known]
@@ -57,7 +57,7 @@ def with_derivatives(
     for row, status in zip(known.tolist(), solved.status, strict=True):
         results[row] = Derivatives(status=status)
     device = device or choose_device()
-    for rows in groups_on_equal_grids(films, solved, numbers=NUMBERS_PER_BATCH):
+    for rows in groups_on_equal_grids(films, solved, numbers=STATE_VALUES_PER_BATCH):
         of_group = _derivatives(films[rows], solved[rows], tolerance=tolerance, device=device)
         for row, derivatives_of_scene in zip(known[rows].tolist(), of_group, strict=True):
             results[row] = derivatives_of_scene
@@ -68,30 +68,35 @@ def _derivatives(
     scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device
 ) -> list[Derivatives]:
     """Derivatives of scenes of like terms, by two grids."""
-    before, _ = _growths(scenes, solutions, 0, tolerance=tolerance, device=device)
-    growth, missed = _growths(scenes, solutions, 1, tolerance=tolerance, device=device)
+    before, _ = _force_growths_on_grid(scenes, solutions, 0, tolerance=tolerance, device=device)
+    growth, missed = _force_growths_on_grid(
+        scenes, solutions, 1, tolerance=tolerance, device=device
+    )
     change = np.abs(growth - before)
     # A derivative may agree by chance, or be small because its parts cancel; not all do.
     with np.errstate(invalid="ignore"):
         largest = np.fmax.reduce(change, axis=0)
-        change = np.where(growth != 0, np.fmax(change, FRACTION_OF_OTHERS * largest), 0.0)
+        change = np.where(growth != 0, np.fmax(change, MIN_CHANGE_FRACTION * largest), 0.0)
     factor, _ = error_of_change(scenes, solutions, tolerance=tolerance)
     error = factor * change + missed
     coarse, fine = (state.grid for state in solutions.states[0])
-    falls = profile_ratio(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)
+    falls = profile_error_ratio(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)
     # What grids miss of a force by a profile that they do not resolve changes with the place as
     # fast as their shortest wave, π times the nodes; and two grids may agree on it by chance.
     for k, nodes in zip(map([*DERIVATIVES].index, ("x_m", "y_m")), fine.across, strict=True):
         nodes = fine.across[0] if fine.coordinates else nodes
         unresolved_n = np.where(falls > 0, np.pi * nodes * solutions.force_error_n, 0.0)
         error[k] = np.where(growth[k] != 0, np.fmax(error[k], unresolved_n), error[k])
-    return [_record(scene, growth[:, k], error[:, k]) for k, scene in enumerate(scenes)]
+    return [
+        _derivatives_of_scene(scene, growth[:, k], error[:, k]) for k, scene in enumerate(scenes)
+    ]
 
 
-def _growths(
+def _force_growths_on_grid(
     scenes: Scenes, solutions: Solutions, grid_index: int, *, tolerance: float, device: Device
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The mean forces' growth with each number times its unit (``_unit``), by one grid.
+    """The mean forces' growth with each number times its unit (``_scale_of_quantity``), by one
+    grid.
 
     Returns:
         The growths in newtons and what iterations and differences may leave of them, each of shape
@@ -103,7 +108,9 @@ def _growths(
     folded = {"x_m": grid.fold_x, "y_m": grid.fold_y}
     for k, quantity in enumerate(DERIVATIVES):
         beside = [
-            with_number_changed(scene, quantity, sign * DIFFERENCE_STEP * _unit(scene, quantity))
+            with_number_changed(
+                scene, quantity, sign * DIFFERENCE_STEP * _scale_of_quantity(scene, quantity)
+            )
             for sign in (1, -1)
             for scene in scenes
         ]
@@ -112,7 +119,7 @@ def _growths(
         if folded.get(quantity):  # the force is even in the place
             growth[k], missed[k] = 0.0, 0.0
             continue
-        if all(_equation(a) == _equation(b) for a, b in zip(ahead, behind, strict=True)):
+        if all(_equation_key(a) == _equation_key(b) for a, b in zip(ahead, behind, strict=True)):
             wider, narrower = scale.reshape(2, -1)
             growth[k] = (
                 solutions.force_n * (wider - narrower) / (wider + narrower) / DIFFERENCE_STEP
@@ -124,7 +131,7 @@ def _growths(
         states = solve_batch(
             beside,
             grid,
-            tolerance=ITERATION_FRACTION_OF_STEP * DIFFERENCE_STEP * tolerance,
+            tolerance=ITERATION_ERROR_FRACTION_OF_STEP * DIFFERENCE_STEP * tolerance,
             device=device,
             guess=np.concatenate([state, state]),
         )
@@ -136,19 +143,19 @@ def _growths(
     return growth, missed
 
 
-def _equation(scene: Scene) -> object:
+def _equation_key(scene: Scene) -> object:
     """All that a scene's dimensionless equation depends on."""
     scenes = Scenes.of([scene])
-    return numbers_table(scenes, terms_of(scene)).tobytes(), scenes.pad_positions[0]
+    return equation_numbers_table(scenes, terms_of(scene)).tobytes(), scenes.pad_positions[0]
 
 
-def _record(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
+def _derivatives_of_scene(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
     """A scene's derivatives, those to its place turned into the actuator's axes."""
     # A gas with thermal effects has no other polytropic exponent: that derivative alone is missing.
     needed = [name != "polytropic_exponent" for name in DERIVATIVES]
     if not np.isfinite(error[needed]).all():
         return Derivatives(status=NEIGHBOUR_NOT_CONVERGED)
-    units, pad = [_unit(scene, quantity) for quantity in DERIVATIVES], scene.pad
+    units, pad = [_scale_of_quantity(scene, quantity) for quantity in DERIVATIVES], scene.pad
     values = dict(zip(DERIVATIVES, (growth / units).tolist(), strict=True))
     errors = dict(zip(DERIVATIVES, (error / units).tolist(), strict=True))
     values["x_m"], values["y_m"] = pad.turned(values["x_m"], values["y_m"])
@@ -167,7 +174,7 @@ def with_number_changed(scene: Scene, quantity: str, by: float) -> Scene:
     return scene.with_gas(**{quantity: getattr(scene.gas, quantity) + by})
 
 
-def _unit(scene: Scene, quantity: str) -> float:
+def _scale_of_quantity(scene: Scene, quantity: str) -> float:
     """Return the scale of a number: itself, or the gap or the length that it goes with."""
     if quantity in ("h0_m", "hv_m"):
         return scene.h0_m

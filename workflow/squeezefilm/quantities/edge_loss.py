@@ -18,28 +18,32 @@ from functools import lru_cache, partial
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.fields import Fields, along, dot, even_columns
+from squeezefilm.quantities.fields import Fields, apply_along_axis, dot, fold_even_columns
 from squeezefilm.quantities.sheared_gas import wall_speed, wall_velocity
-from squeezefilm.quantities.states import changes_with_errors, solved_beside
+from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
-from squeezefilm.reynolds.terms.rarefaction import flow_factor_derivatives, slip_flow, slip_of
+from squeezefilm.reynolds.terms.rarefaction import (
+    flow_factor_derivatives,
+    slip_coefficients,
+    slip_flow,
+)
 from squeezefilm.solution import Solution
 
 # Coefficients C of a plug and of a parabola.
 COEFFICIENTS = (1.0, 1.54)
 # Relative error of the force that an iteration of the state may leave.
-STATE_TOLERANCE = 1e-5
+STATE_FORCE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
-CONVERGED_CHANGE, MOST_STEPS = 3e-3, 30
+CONVERGED_EFFECT_CHANGE, MAX_EDGE_ITERATIONS = 3e-3, 30
 # Part of that which the next change may take, if expected by the fall of the last two.
-NEXT_MARGIN = 20
+EXPECTED_CHANGE_MARGIN = 20
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
 # first no state may be found of a film of large amplitude, at the second rounding counts more.
-TRIAL_FRACTIONS = (1e-3, 1e-4)
+TRIAL_EDGE_PRESSURE_RATIOS = (1e-3, 1e-4)
 
 
-def force_changes(
+def edge_loss_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
     """Return the relative changes of the forces by the edge loss, and their errors.
@@ -52,10 +56,10 @@ def force_changes(
         solution has no states, or the iteration does not settle.
     """
     on_grid = partial(_changes_on_grid, device=device)
-    changes = changes_with_errors(
-        scenes, solutions, on_grid, changes=len(COEFFICIENTS), tolerance=STATE_TOLERANCE
+    changes = force_changes_and_errors(
+        scenes, solutions, on_grid, changes=len(COEFFICIENTS), tolerance=STATE_FORCE_TOLERANCE
     )
-    changes[1] += CONVERGED_CHANGE * np.abs(changes[0])
+    changes[1] += CONVERGED_EFFECT_CHANGE * np.abs(changes[0])
     return changes
 
 
@@ -67,21 +71,21 @@ def ram_pressure_changes(
     Gas that comes in with the wall's speed and stops has it: the largest that there may be. The
     change goes with the pressure, and is solved for a small one.
 
-    Args and returns: as of ``force_changes``, of one change, (2, 1, scenes).
+    Args and returns: as of ``edge_loss_changes``, of one change, (2, 1, scenes).
     """
 
-    def on_grid(films: Fields, *, fraction: float) -> np.ndarray:
-        square = square_of_inflow(films, wall_velocity(films) / np.abs(wall_speed(films)))
-        _, without = solved_with_edge(films, 0 * square, device=device)
-        _, with_pressure = solved_with_edge(films, fraction * square, device=device)
+    def ram_pressure_change_on_grid(films: Fields, *, fraction: float) -> np.ndarray:
+        square = squared_inflow_velocity(films, wall_velocity(films) / np.abs(wall_speed(films)))
+        _, without = solve_with_edge_pressure(films, 0 * square, device=device)
+        _, with_pressure = solve_with_edge_pressure(films, fraction * square, device=device)
         return np.array([with_pressure / without - 1])
 
     changes = np.full((2, 1, len(scenes)), np.nan)
-    for fraction in TRIAL_FRACTIONS:
+    for fraction in TRIAL_EDGE_PRESSURE_RATIOS:
         if np.isnan(changes).any():
-            of_grid = partial(on_grid, fraction=fraction)
-            tried = changes_with_errors(
-                scenes, solutions, of_grid, changes=1, tolerance=STATE_TOLERANCE
+            of_grid = partial(ram_pressure_change_on_grid, fraction=fraction)
+            tried = force_changes_and_errors(
+                scenes, solutions, of_grid, changes=1, tolerance=STATE_FORCE_TOLERANCE
             )
             changes = np.where(np.isnan(changes), tried / fraction, changes)
     # ρ U²/2 over the ambient pressure.
@@ -97,20 +101,21 @@ def _changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
     change = np.zeros(len(rows))
     step, moved = np.ones(len(rows)), np.full(len(rows), np.inf)
     difference = np.zeros(len(rows))
-    for _ in range(MOST_STEPS):
-        move = pressure_of_inflow(films, coefficients) - films.edge
+    for _ in range(MAX_EDGE_ITERATIONS):
+        move = edge_pressure_of_inflow(films, coefficients) - films.edge
         before, moved = moved, np.abs(move).max(axis=(1, 2, 3))
         # High harmonics of a large loss overshoot.
         step = np.where(moved > before, step / 4, step)
         edge = films.edge + step[:, None, None, None] * move
-        tried, mean = solved_with_edge(films, edge, device=device)
+        tried, mean = solve_with_edge_pressure(films, edge, device=device)
         failed, without_loss = np.isnan(mean), np.tile(mean[:count], copies)
         last, change = change, np.where(failed, change, mean / without_loss - 1)
         earlier, difference = difference, np.abs(change - last)
-        allowed = step * CONVERGED_CHANGE * np.abs(change)
+        allowed = step * CONVERGED_EFFECT_CHANGE * np.abs(change)
         # Or where the next difference, by the fall of the last two, is far below that.
         settled = ~failed & (
-            (difference <= allowed / 2) | (difference**2 <= allowed / NEXT_MARGIN * earlier)
+            (difference <= allowed / 2)
+            | (difference**2 <= allowed / EXPECTED_CHANGE_MARGIN * earlier)
         )
         # Where Newton's method does not follow, a shorter step is tried.
         keep = failed[:, None, None, None]
@@ -126,48 +131,52 @@ def _changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
     return np.asarray(changes.reshape(copies, count)[1:])
 
 
-def solved_with_edge(
+def solve_with_edge_pressure(
     films: Fields, edge: np.ndarray, *, device: Device
 ) -> tuple[Fields, np.ndarray]:
     """Return states with a pressure on the edge, and their means, NaN where there is none."""
     films = replace(films, edge=edge)
-    return solved_beside(films, added_by_edge(films), tolerance=STATE_TOLERANCE, device=device)
+    return solve_perturbed(
+        films, edge_pressure_arrays(films), tolerance=STATE_FORCE_TOLERANCE, device=device
+    )
 
 
-def pressure_of_inflow(films: Fields, coefficients: np.ndarray) -> np.ndarray:
+def edge_pressure_of_inflow(films: Fields, coefficients: np.ndarray) -> np.ndarray:
     """Return the pressure on the edge, P − 1, by the velocity of states that have some there.
 
     Args:
         coefficients: C of each scene, (scenes,).
     """
     scale = (coefficients * films.scenes.modified_reynolds)[:, None, None, None]
-    square = square_of_inflow(films, films.velocity_on_edge)
+    square = squared_inflow_velocity(films, films.velocity_on_edge)
     return -scale * films.sigma / 24 * square
 
 
-def square_of_inflow(films: Fields, velocity: np.ndarray) -> np.ndarray:
+def squared_inflow_velocity(films: Fields, velocity: np.ndarray) -> np.ndarray:
     """Return the square of a velocity on the edge where it leads into the film, elsewhere 0."""
     inflow = np.maximum(films.inward * velocity, 0.0)
     return np.asarray(dot(inflow, inflow) / films.area)
 
 
-def added_by_edge(films: Fields) -> dict[str, np.ndarray]:
+def edge_pressure_arrays(films: Fields) -> dict[str, np.ndarray]:
     """Return what the pressure on the edge adds, by the names of terms/edge_pressure.py."""
-    gap, flows = films.gap[films.inner], _flows_by_edge(films)
+    gap, flows = films.gap[films.inner], _edge_flow_potentials(films)
     powers = gap * np.sqrt(gap), gap  # np.power takes ten times longer
     added = {"edge_flow": np.zeros_like(gap)}
     for k, (axis, name) in enumerate(zip(films.axes_with_ends, "xy", strict=False)):
-        values, slope, second = _from_edge(axis, films.lengths[k])
-        edge = films.edge[films.inside_across(k)]
-        added[f"edge_values_{name}"] = along(k, values, edge)
-        added[f"edge_slope_{name}"] = along(k, slope, edge)
+        values, slope, second = _matrices_from_edge(axis, films.lengths[k])
+        edge = films.edge[films.inner_nodes_across(k)]
+        added[f"edge_values_{name}"] = apply_along_axis(k, values, edge)
+        added[f"edge_slope_{name}"] = apply_along_axis(k, slope, edge)
         for power, flow in zip(powers, flows, strict=False):
-            added["edge_flow"] += power * along(k, second, flow[films.inside_across(k)])
+            added["edge_flow"] += power * apply_along_axis(
+                k, second, flow[films.inner_nodes_across(k)]
+            )
     return added
 
 
 @lru_cache(maxsize=64)
-def _from_edge(axis: Axis, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _matrices_from_edge(axis: Axis, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return matrices from all nodes to values and slopes at flux points, and divergences inside.
 
     Of functions that are even about the middle of a folded axis.
@@ -175,10 +184,14 @@ def _from_edge(axis: Axis, length: float) -> tuple[np.ndarray, np.ndarray, np.nd
     values = FluxPoints(axis).from_all_nodes
     slope = values @ axis.derivative / length
     second = (axis.divergence @ axis.derivative)[axis.inner] / length**2
-    return even_columns(values, axis), even_columns(slope, axis), even_columns(second, axis)
+    return (
+        fold_even_columns(values, axis),
+        fold_even_columns(slope, axis),
+        fold_even_columns(second, axis),
+    )
 
 
-def _flows_by_edge(films: Fields) -> list[np.ndarray]:
+def _edge_flow_potentials(films: Fields) -> list[np.ndarray]:
     """v of each flow term on the edge, c_k H^((3−k)/2) (g_k(P) − g_k(1)); inside it is 0."""
     gap, rise = films.gap, films.edge
     power, root = 1 + films.numbers("inverse_exponent", absent=1.0), np.sqrt(gap)
@@ -186,7 +199,7 @@ def _flows_by_edge(films: Fields) -> list[np.ndarray]:
     potential = rise * (1 + rise / 2) if np.all(power == 2) else ((1 + rise) ** power - 1) / power
     flows = [gap * root * potential]
     if films.equation["flow"].shape[1] > 1:
-        slip, inverse = slip_of(films.equation, gap)
+        slip, inverse = slip_coefficients(films.equation, gap)
         if inverse is None:
             flows.append(slip * gap * rise)
         else:  # to first order in the pressure, as flow_from splits the flow

@@ -16,8 +16,8 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.packing import gap_parts, numbers_table, terms_of_all
-from squeezefilm.reynolds.spectral import AngleAxis, Axis, FluxPoints, even_and_odd
+from squeezefilm.reynolds.packing import common_terms, equation_numbers_table, gap_parts
+from squeezefilm.reynolds.spectral import AngleAxis, Axis, FluxPoints, even_and_odd_matrices
 from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
 
@@ -45,12 +45,12 @@ def derivatives_with_edge(axis: Axis | AngleAxis) -> tuple[np.ndarray, np.ndarra
     """
     if isinstance(axis, AngleAxis):
         return axis.slope(odd=False), axis.slope(odd=True)
-    even, odd = even_and_odd(axis.derivative) if axis.folded else (axis.derivative,) * 2
+    even, odd = even_and_odd_matrices(axis.derivative) if axis.folded else (axis.derivative,) * 2
     return even, odd
 
 
 @lru_cache(maxsize=64)
-def to_nodes_with_edge(axis: Axis) -> np.ndarray:
+def to_nodes_from_flux_points(axis: Axis) -> np.ndarray:
     """Return the matrix to all nodes from the flux points of a velocity along the axis, (m, n)."""
     nodes = axis.all_nodes[: len(weights_with_edge(axis))]
     return axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
@@ -87,12 +87,12 @@ class Fields:
     def of(cls, scenes: Sequence[Scene], grid: Grid, unknowns: np.ndarray) -> Self:
         """States under ambient pressure on the edge."""
         scenes = Scenes.of(scenes)
-        terms = terms_of_all(scenes)
-        equation = numbers_table(scenes, terms)
+        terms = common_terms(scenes)
+        equation = equation_numbers_table(scenes, terms)
         nodes = (slice(len(weights_with_edge(axis))) for axis in (grid.x, grid.y))
         parts = gap_parts(scenes, grid).swapaxes(0, 1)[..., *nodes, None]
-        rest_gap = 1 + numbers_of(equation, "per_rise", absent=0.0) * sum(parts[2:])
-        moving = numbers_of(equation, "epsilon", absent=0.0) * parts[:2]
+        rest_gap = 1 + equation_number(equation, "per_rise", absent=0.0) * sum(parts[2:])
+        moving = equation_number(equation, "epsilon", absent=0.0) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         gap = rest_gap + sum(map(np.multiply, moving, (sine, cosine)))
         across = grid.x.all_nodes[: gap.shape[1]]
@@ -116,7 +116,7 @@ class Fields:
         """The lengths of the axes."""
         return self.grid.lengths(self.scenes[0].aspect)
 
-    def inside_across(self, k: int) -> tuple[slice, ...]:
+    def inner_nodes_across(self, k: int) -> tuple[slice, ...]:
         """The nodes of all of one axis and of the other's inside, of x for k = 0 and y for 1."""
         return tuple(slice(None) if at == 1 + k else part for at, part in enumerate(self.inner))
 
@@ -133,7 +133,7 @@ class Fields:
         """
         inward = np.zeros((2, 1, *self.gap.shape[1:3], 1))
         for k, axis in enumerate(self.axes_with_ends):
-            at_ends = np.moveaxis(inward[k][self.inside_across(k)], 1 + k, 0)
+            at_ends = np.moveaxis(inward[k][self.inner_nodes_across(k)], 1 + k, 0)
             at_ends[0] = 1.0
             if not axis.folded:
                 at_ends[-1] = -1.0
@@ -147,9 +147,9 @@ class Fields:
 
     def numbers(self, name: str, *, absent: float) -> np.ndarray:
         """A number that a term gives the scenes, a column, or what it is without the term."""
-        return numbers_of(self.equation, name, absent=absent)
+        return equation_number(self.equation, name, absent=absent)
 
-    def along_axes(self, vector: np.ndarray) -> np.ndarray:
+    def to_pad_axes(self, vector: np.ndarray) -> np.ndarray:
         """Return a vector field (2, ..., scenes, x, y, t) along the pad's x and y, for its mean."""
         if self.grid.outline is None:
             return vector
@@ -203,8 +203,8 @@ class Fields:
         """ū at the ends of x and of y along each: ``velocity`` less its deficit by inertia."""
         velocity = self.velocity.copy()
         for k, axis in enumerate(self.axes_with_ends if self.unknowns.shape[1] > 1 else ()):
-            velocity[k][self.inside_across(k)] -= along(
-                k, to_nodes_with_edge(axis), self.unknowns[:, 1 + k]
+            velocity[k][self.inner_nodes_across(k)] -= apply_along_axis(
+                k, to_nodes_from_flux_points(axis), self.unknowns[:, 1 + k]
             )
         return velocity
 
@@ -246,19 +246,19 @@ class Fields:
         return np.stack([v[0] * x + v[1] * y + bend * square for x, y, bend in parts]) / self.area
 
 
-def numbers_of(equation: np.ndarray, name: str, *, absent: float) -> np.ndarray:
+def equation_number(equation: np.ndarray, name: str, *, absent: float) -> np.ndarray:
     """Return a number of scenes' equation, (scenes, 1, 1, 1), or what it is where there is none."""
     known = name in (equation.dtype.names or ())
     values = equation[name] if known else np.full(len(equation), absent)
     return np.asarray(values)[:, None, None, None]
 
 
-def along(k: int, matrix: np.ndarray, field: np.ndarray) -> np.ndarray:
+def apply_along_axis(k: int, matrix: np.ndarray, field: np.ndarray) -> np.ndarray:
     """Return a matrix times a field along x for k = 0, along y for 1."""
     return np.moveaxis(np.tensordot(matrix, field, axes=(1, 1 + k)), 0, 1 + k)
 
 
-def even_columns(matrix: np.ndarray, axis: Axis) -> np.ndarray:
+def fold_even_columns(matrix: np.ndarray, axis: Axis) -> np.ndarray:
     """Return a matrix from an even function on all nodes as one from those of the first half."""
     half = matrix.shape[1] // 2
     return matrix[:, :half] + matrix[:, : half - 1 : -1] if axis.folded else matrix

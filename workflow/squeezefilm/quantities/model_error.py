@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
-from squeezefilm.film.validity import THICK_SIGMA
+from squeezefilm.film.validity import THICK_FILM_SIGMA
 from squeezefilm.quantities import edge_loss, moving_profile, sheared_gas
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
@@ -34,10 +34,14 @@ from squeezefilm.solution import Solution
 
 # Relative errors of the forces whose differences are effects. The next is taken where an error is
 # more than a fraction of the largest effect, unless a force took more operations than
-# EXPENSIVE_OPERATIONS, a fraction of a second.
-TOLERANCES, EFFECT_TOLERANCE, EXPENSIVE_OPERATIONS = (1e-3, 1e-4, 1e-5), 0.003, 2e9
+# EXPENSIVE_OPERATION_COUNT, a fraction of a second.
+FORCE_TOLERANCES, RELATIVE_EFFECT_TOLERANCE, EXPENSIVE_OPERATION_COUNT = (
+    (1e-3, 1e-4, 1e-5),
+    0.003,
+    2e9,
+)
 # Scenes whose budgets are solved for together, so that not all states are held.
-MOST_SCENES = 128
+SCENES_PER_BUDGET_BATCH = 128
 # Terms that a study may leave to be decided, in the order in which they are.
 AUTO_TERMS: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
@@ -66,7 +70,7 @@ class Effect(NamedTuple):
 
 UNKNOWN_EFFECT, NO_EFFECT = Effect(nan), Effect(0.0, 0.0)
 # Relative changes of forces by effects beside their states, and the errors, (2, changes).
-Changes = dict[str, dict[Scene, np.ndarray]]
+ForceChanges = dict[str, dict[Scene, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -127,7 +131,7 @@ def error_budgets(
     scenes: Sequence[Scene],
     *,
     device: Device | None = None,
-    tolerances: Sequence[float] = TOLERANCES,
+    tolerances: Sequence[float] = FORCE_TOLERANCES,
 ) -> list[ErrorBudget]:
     """The budget of each scene's force; what of their gases is ``auto`` must be decided.
 
@@ -137,9 +141,9 @@ def error_budgets(
     """
     device = device or choose_device()
     budgets: list[ErrorBudget] = []
-    for first in range(0, len(scenes), MOST_SCENES):
-        films = [FilmWithEffects(scene) for scene in scenes[first : first + MOST_SCENES]]
-        budgets += _budgets(films, tolerances, device)
+    for first in range(0, len(scenes), SCENES_PER_BUDGET_BATCH):
+        films = [EffectVariants(scene) for scene in scenes[first : first + SCENES_PER_BUDGET_BATCH]]
+        budgets += _error_budgets_of_variants(films, tolerances, device)
     return budgets
 
 
@@ -149,7 +153,7 @@ def ambient_slip_coefficient(scene: Scene) -> float:
     return float(slip_flow(inverse) / inverse / scene.knudsen)
 
 
-class FilmWithEffects:
+class EffectVariants:
     """The variants of a scene whose forces give its error budget.
 
     Attributes:
@@ -198,9 +202,9 @@ class FilmWithEffects:
         if scene.bearing_number:
             at_rest = replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.0))
             self.pairs["bearing"] = scene, at_rest
-        self.still: FilmWithEffects | None = None
+        self.still: EffectVariants | None = None
         if scene.bearing_number and not scene.pad.gap.flat:
-            self.still = FilmWithEffects(replace(scene, hv_m=0.0)) if scene.epsilon else self
+            self.still = EffectVariants(replace(scene, hv_m=0.0)) if scene.epsilon else self
 
     @property
     def has_force(self) -> bool:
@@ -208,12 +212,12 @@ class FilmWithEffects:
         return bool(self.scene.epsilon or self.still)
 
     @property
-    def by_gas(self) -> list[tuple[Scene, Scene]]:
+    def variants_by_gas_terms(self) -> list[tuple[Scene, Scene]]:
         """The films with and without inertia, and with and without thermal effects."""
         return [self.pairs.get(name, (self.reference,) * 2) for name in AUTO_TERMS]
 
     @property
-    def neighbours(self) -> list[Scene]:
+    def variants_of_same_motion(self) -> list[Scene]:
         """The films of the same motion, whose forces differ by what the gas does alone."""
         by_gas = [pair for name, pair in self.pairs.items() if name != "bearing"]
         return [self.scene, self.reference, self.together, *chain(*by_gas)]
@@ -221,12 +225,14 @@ class FilmWithEffects:
     @property
     def scenes(self) -> list[Scene]:
         """Return all variants; equal ones may occur."""
-        still = [self.still.together, *chain(*self.still.by_gas)] if self.still else []
-        return [*self.neighbours, *self.pairs.get("bearing", ()), *still]
+        still = (
+            [self.still.together, *chain(*self.still.variants_by_gas_terms)] if self.still else []
+        )
+        return [*self.variants_of_same_motion, *self.pairs.get("bearing", ()), *still]
 
 
-def _budgets(
-    films: Sequence[FilmWithEffects], tolerances: Sequence[float], device: Device
+def _error_budgets_of_variants(
+    films: Sequence[EffectVariants], tolerances: Sequence[float], device: Device
 ) -> list[ErrorBudget]:
     moving = [film for film in films if film.has_force]
     vibrating = {scene: None for film in moving for scene in (film.scene, film.together)}
@@ -236,7 +242,7 @@ def _budgets(
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
     for tolerance in tolerances:
-        vague = [film for film in moving if not _resolved(film, solutions)]
+        vague = [film for film in moving if not _effects_resolved(film, solutions)]
         waiting = {scene: None for film in vague for scene in film.scenes}
         for distinct, keep_states in ((with_states, True), (others, False)):
             asked = [scene for scene in distinct if scene in waiting]
@@ -250,37 +256,37 @@ def _budgets(
             for scene, solution in zip(asked, solved, strict=True):
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
-    changes: Changes = {}
+    changes: ForceChanges = {}
     for name, force_changes, of_scenes in (
-        ("edge_loss", edge_loss.force_changes, vibrating),
+        ("edge_loss", edge_loss.edge_loss_changes, vibrating),
         ("ram_pressure", edge_loss.ram_pressure_changes, sliding),
-        ("sheared_gas", sheared_gas.force_changes, with_still),
-        ("moving_profile", moving_profile.force_changes, sliding),
+        ("sheared_gas", sheared_gas.sheared_gas_changes, with_still),
+        ("moving_profile", moving_profile.moving_profile_changes, sliding),
     ):
         found = force_changes(
             list(of_scenes), [solutions[scene] for scene in of_scenes], device=device
         )
         changes[name] = dict(zip(of_scenes, np.moveaxis(found, -1, 0), strict=True))
-    return [_budget(film, solutions, changes) for film in films]
+    return [_error_budget_of_variants(film, solutions, changes) for film in films]
 
 
-def _resolved(film: FilmWithEffects, solutions: Mapping[Scene, Solution]) -> bool:
+def _effects_resolved(film: EffectVariants, solutions: Mapping[Scene, Solution]) -> bool:
     """Return whether forces are known as closely as their differences need, or as it pays."""
     if film.scene not in solutions:
         return False
     known = [solutions[scene] for scene in film.scenes]
     if any(solution.status != "ok" for solution in known):
         return True
-    forces_n = [solutions[each].force_n for each in film.neighbours]
+    forces_n = [solutions[each].force_n for each in film.variants_of_same_motion]
     error_n = max(solution.force_error_n for solution in known)
     dearest = max(solution.work for solution in known)
-    return dearest > EXPENSIVE_OPERATIONS or error_n <= EFFECT_TOLERANCE * (
+    return dearest > EXPENSIVE_OPERATION_COUNT or error_n <= RELATIVE_EFFECT_TOLERANCE * (
         max(forces_n) - min(forces_n)
     )
 
 
-def _budget(
-    film: FilmWithEffects, solutions: Mapping[Scene, Solution], changes: Changes
+def _error_budget_of_variants(
+    film: EffectVariants, solutions: Mapping[Scene, Solution], changes: ForceChanges
 ) -> ErrorBudget:
     """A scene's budget from the forces of its films and what is beside these."""
     scene = film.scene
@@ -290,7 +296,7 @@ def _budget(
     if own.status != "ok":
         return ErrorBudget(status=own.status)
 
-    def change(with_effect: Scene, without: Scene) -> tuple[float, float]:
+    def change_percent(with_effect: Scene, without: Scene) -> tuple[float, float]:
         """Return the difference of two forces and its error, in per cent of the own force."""
         one, other = solutions[with_effect], solutions[without]
         error_n = one.force_error_n + other.force_error_n if with_effect != without else 0.0
@@ -299,10 +305,10 @@ def _budget(
 
     effects = dict.fromkeys(EFFECT_NAMES, NO_EFFECT)
     # First-order slip stands for the flow factor, by whose difference an effect may be off.
-    apart, apart_error = change(scene, film.reference)
+    apart, apart_error = change_percent(scene, film.reference)
     doubt = (abs(apart) + apart_error) / 100
     for name, (with_effect, without) in film.pairs.items():
-        percent, error = change(with_effect, without)
+        percent, error = change_percent(with_effect, without)
         included = with_effect == scene
         effects[name] = Effect(percent, error + doubt * abs(percent) * (not included), included)
     for name in film.unsolvable:
@@ -310,7 +316,7 @@ def _budget(
     effects["depth_averaged"] = Effect(*depth_averaging_percent(film.together))
     (edge, edge_upper), (edge_error, _) = 100 * changes["edge_loss"][scene]
     effects["edge_loss"] = Effect(float(edge), float(edge_error))
-    together, error = change(film.together, film.reference)
+    together, error = change_percent(film.together, film.reference)
     error += doubt * abs(together)
     if "flow_factor" in film.pairs:
         percent, flow_error, _ = effects["flow_factor"]
@@ -320,7 +326,7 @@ def _budget(
     # Those of the film with all other effects, over that film's force.
     with_all = solutions[film.together].force_n / own.force_n
     if scene.bearing_number:
-        effects |= _effects_of_sliding(film, solutions, changes)
+        effects |= _sliding_effects(film, solutions, changes)
     ends, errors = 100 * with_all * changes["edge_loss"][film.together]
     error += max(map(abs, errors))
     for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECTS):
@@ -338,8 +344,8 @@ def _budget(
     )
 
 
-def _effects_of_sliding(
-    film: FilmWithEffects, solutions: Mapping[Scene, Solution], changes: Changes
+def _sliding_effects(
+    film: EffectVariants, solutions: Mapping[Scene, Solution], changes: ForceChanges
 ) -> dict[str, Effect]:
     """Return the effects beside the Couette flow that a pad's sliding has, of OF_SLIDING."""
     scene, together, own_n = film.scene, film.together, solutions[film.scene].force_n
@@ -348,9 +354,11 @@ def _effects_of_sliding(
         change, error = changes[name][together][:, 0] * solutions[together].force_n / own_n
         return 100 * float(change), 100 * abs(float(error))
 
-    def gas_effects_n(film: FilmWithEffects) -> np.ndarray:
+    def gas_effects_n(film: EffectVariants) -> np.ndarray:
         """Changes of the force by inertia, by thermal effects and by gas that the wall drags."""
-        forces_n = [[solutions[each].force_n for each in pair] for pair in film.by_gas]
+        forces_n = [
+            [solutions[each].force_n for each in pair] for pair in film.variants_by_gas_terms
+        ]
         dragged = changes["sheared_gas"][film.together][0, 0]
         return np.append(-np.diff(forces_n), solutions[film.together].force_n * dragged)
 
@@ -358,7 +366,7 @@ def _effects_of_sliding(
     effects_n = gas_effects_n(film)
     by_vibration_n = effects_n - gas_effects_n(film.still) if film.still else effects_n
     size_n, vibrating_n = (float(np.abs(each).sum()) for each in (effects_n, by_vibration_n))
-    missed = sheared_gas.remainder_of(scene, vibrating=vibrating_n / size_n)
+    missed = sheared_gas.remainder_of_scene(scene, vibrating=vibrating_n / size_n)
     error += 100 * missed * size_n / abs(own_n)
     error += 6 * scene.knudsen * abs(sheared)  # of the wall's velocity no slip is known
     ram, ram_error = percent("ram_pressure")
@@ -377,12 +385,13 @@ def _effects_of_sliding(
 # area, with the depth-averaged terms and resolved across the gap: isothermal velocity; or, where
 # thermal is 1, temperature too (Pr 0.71, γ 1.4, κ 0.7; the solver's averaged force at ε = 0.005).
 DEPTH_AVERAGING_TABLE = Path(__file__).with_name("depth_averaged.csv")
-# Below THICK_SIGMA strips that resolve the profiles were compared up to this Re, and no further.
-MOST_REYNOLDS_THICK = 2.0
+# Below THICK_FILM_SIGMA strips that resolve the profiles were compared up to this Re, and no
+# further.
+MAX_REYNOLDS_OF_THICK_FILM = 2.0
 # By how much the change may be off, as a share of the largest at the same Re, for ε → 0 and for
 # each unit of ε: 288 strips that resolve the profiles, piston and sinc, ε 0.02–0.8, σ 0.5–1e4.
 DEPTH_ERROR_FRACTION, DEPTH_ERROR_PER_EPSILON = 0.7, 1.0
-DEPTH_ERROR_FRACTION_THICK, DEPTH_ERROR_THICK_PER_EPSILON = 2.0, 5.0
+THICK_DEPTH_ERROR_FRACTION, THICK_DEPTH_ERROR_PER_EPSILON = 2.0, 5.0
 
 
 def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
@@ -402,16 +411,16 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
     reynolds, sigma = scene.modified_reynolds, scene.sigma
     if not (inertia or thermal):
         return 0.0, 0.0
-    thick = sigma < THICK_SIGMA
+    thick = sigma < THICK_FILM_SIGMA
     nodes, known, changes = _depth_averaging_errors(thermal)
-    if reynolds > (MOST_REYNOLDS_THICK if thick else known[-1]):
+    if reynolds > (MAX_REYNOLDS_OF_THICK_FILM if thick else known[-1]):
         return nan, nan
     per_square = [np.interp(reynolds, known, column) for column in changes.T]
     along = reynolds**2 * np.array(per_square)
     largest = float(np.abs(along).max())
     if thick or not inertia:
         return 0.0, largest * (
-            DEPTH_ERROR_FRACTION_THICK + DEPTH_ERROR_THICK_PER_EPSILON * scene.epsilon
+            THICK_DEPTH_ERROR_FRACTION + THICK_DEPTH_ERROR_PER_EPSILON * scene.epsilon
         )
     change = float(np.interp(sigma**-0.5, nodes, along))
     return change, largest * (DEPTH_ERROR_FRACTION + DEPTH_ERROR_PER_EPSILON * scene.epsilon)
@@ -437,7 +446,7 @@ def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.n
 
 # Change of the force, relative, below which a term that is ``auto`` is not included. The forces
 # that show it are solved to it, and to this fraction of it where that leaves it open.
-MODEL_TOLERANCE, DECIDING_FRACTION = 1e-3, 0.1
+AUTO_TERM_TOLERANCE, DECIDING_TOLERANCE_FRACTION = 1e-3, 0.1
 
 
 def resolve_auto_terms(scenes: Scenes | Sequence[Scene], **how: Any) -> Scenes | Sequence[Scene]:
@@ -448,7 +457,7 @@ def resolve_auto_terms(scenes: Scenes | Sequence[Scene], **how: Any) -> Scenes |
 def solve_auto_terms(
     scenes: Scenes | Sequence[Scene],
     *,
-    model_tolerance: float = MODEL_TOLERANCE,
+    model_tolerance: float = AUTO_TERM_TOLERANCE,
     tolerance: float = 1.0,
     method: str = "auto",
     device: Device | None = None,
@@ -465,28 +474,32 @@ def solve_auto_terms(
     Returns:
         the scenes, and the solutions of those that were solved to the tolerance for it, by row.
     """
-    if not any(map(_auto_names, scenes.films if isinstance(scenes, Scenes) else scenes)):
+    if not any(map(_undecided_terms, scenes.films if isinstance(scenes, Scenes) else scenes)):
         return scenes, {}
     scenes = Scenes.of(scenes)
-    closed = replace(scenes, films=tuple(map(_without_auto, scenes.films)))
+    closed = replace(scenes, films=tuple(map(_without_undecided_terms, scenes.films)))
     index = scenes.film_index
     # Whether a term is supported does not depend on the operating point.
     asked = {
-        int(film): [name for name in _auto_names(scene) if not _unsupported(scene, name, method)]
+        int(film): [
+            name for name in _undecided_terms(scene) if not _unsupported_reason(scene, name, method)
+        ]
         for film, row in zip(*np.unique(index, return_index=True), strict=True)
         for scene in [scenes[int(row)]]
     }
     needed = [tuple(asked[int(film)]) for film in index]
 
-    def solved(terms: Mapping[int, tuple[str, ...]], tolerance: float) -> dict[int, Solution]:
+    def solve_with_terms(
+        terms: Mapping[int, tuple[str, ...]], tolerance: float
+    ) -> dict[int, Solution]:
         """Solutions of some rows with some terms."""
-        films = [_with_terms(closed[row], names) for row, names in terms.items()]
+        films = [_with_included_terms(closed[row], names) for row, names in terms.items()]
         solutions = solve(films, tolerance=tolerance, method="periodic", device=device)
         return dict(zip(terms, solutions, strict=True))
 
-    rough, fine = model_tolerance, DECIDING_FRACTION * model_tolerance
+    rough, fine = model_tolerance, DECIDING_TOLERANCE_FRACTION * model_tolerance
     every = {row: names for row, names in enumerate(needed) if names}
-    full = solved(every, min(max(tolerance, fine), rough))
+    full = solve_with_terms(every, min(max(tolerance, fine), rough))
     # Where that has no force, all terms stay, and the scene's own solution says why.
     kept = {row: names for row, names in every.items() if full[row].status == "ok"}
     for fewer in ((), ("inertia",), ("thermal",)):
@@ -497,9 +510,9 @@ def solve_auto_terms(
                 for row in undecided
                 if full[row].force_error_n > accuracy * abs(full[row].force_n)
             }
-            closer = solved(vague, accuracy)
+            closer = solve_with_terms(vague, accuracy)
             full |= {row: solution for row, solution in closer.items() if solution.status == "ok"}
-            tried = solved(dict.fromkeys(undecided, fewer), accuracy)
+            tried = solve_with_terms(dict.fromkeys(undecided, fewer), accuracy)
             undecided = []
             for row, solution in tried.items():
                 limit_n = model_tolerance * abs(full[row].force_n)
@@ -514,41 +527,43 @@ def solve_auto_terms(
     index_of_choice = {
         choice: choice_index for choice_index, choice in enumerate(dict.fromkeys(chosen))
     }
-    films = tuple(_with_terms(closed.films[film], included) for film, included in index_of_choice)
+    films = tuple(
+        _with_included_terms(closed.films[film], included) for film, included in index_of_choice
+    )
     decided = replace(
         scenes, films=films, film_index=np.array([index_of_choice[choice] for choice in chosen])
     )
     return decided, {row: full[row] for row in kept if tolerance >= fine}
 
 
-def excluded_terms(scene: Scene, *, method: str = "auto") -> list[str]:
+def unsupported_auto_terms(scene: Scene, *, method: str = "auto") -> list[str]:
     """Return the terms that are ``auto`` and not supported for a scene, with the reasons."""
     return [
         f"gas.{name} is auto and not included: {reason}"
-        for name in _auto_names(scene)
-        if (reason := _unsupported(scene, name, method))
+        for name in _undecided_terms(scene)
+        if (reason := _unsupported_reason(scene, name, method))
     ]
 
 
 SceneOrFilm = TypeVar("SceneOrFilm", Scene, Film)
 
 
-def _auto_names(scene: Scene | Film) -> list[str]:
+def _undecided_terms(scene: Scene | Film) -> list[str]:
     return [name for name in AUTO_TERMS if getattr(scene.gas, name) == "auto"]
 
 
-def _without_auto(scene: SceneOrFilm) -> SceneOrFilm:
+def _without_undecided_terms(scene: SceneOrFilm) -> SceneOrFilm:
     """The scene or film without what is to be decided."""
-    return scene.with_gas(**dict.fromkeys(_auto_names(scene), "none"))
+    return scene.with_gas(**dict.fromkeys(_undecided_terms(scene), "none"))
 
 
-def _with_terms(scene: SceneOrFilm, names: Sequence[str]) -> SceneOrFilm:
+def _with_included_terms(scene: SceneOrFilm, names: Sequence[str]) -> SceneOrFilm:
     return scene.with_gas(**dict.fromkeys(names, "included")) if names else scene
 
 
-def _unsupported(scene: Scene, name: str, method: str) -> str:
+def _unsupported_reason(scene: Scene, name: str, method: str) -> str:
     """Return the reason why the method does not support a term; empty if it does."""
-    scene = _without_auto(scene).with_gas(**{name: "included"})
+    scene = _without_undecided_terms(scene).with_gas(**{name: "included"})
     if method == "composite":
         derived = AUTO_TERMS[name].IN_EXPANSIONS
         return "" if derived else "the composite expansion is not derived with it"

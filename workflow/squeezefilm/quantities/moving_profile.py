@@ -20,19 +20,19 @@ import numpy as np
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.derivatives import with_number_changed
 from squeezefilm.quantities.fields import Fields
-from squeezefilm.quantities.states import changes_with_errors, solved_beside
+from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed
 from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import Solution
 
 # Relative error of the force that an iteration of the state may leave.
-STATE_TOLERANCE = 1e-6
+STATE_FORCE_TOLERANCE = 1e-6
 # Distance of neighbouring places, of the pad's length along x.
-DISTANCE_FRACTION = 0.01
+NEIGHBOUR_DISTANCE_FRACTION = 0.01
 # Largest ratio of the second order to the first up to which the orders are taken to fall.
-LARGEST_RATIO = 0.5
+MAX_SECOND_TO_FIRST_ORDER = 0.5
 
 
-def force_changes(
+def moving_profile_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
     """Return what the profile's motion changes of the forces, over them, to second order in U.
@@ -44,19 +44,25 @@ def force_changes(
         Changes and their errors by grids, iterations and higher orders, shape (2, 1, scenes); NaN
         where a solution has no states or the orders do not fall.
     """
-    changes, errors = changes_with_errors(
-        scenes, solutions, partial(_on_grid, device=device), changes=2, tolerance=STATE_TOLERANCE
+    changes, errors = force_changes_and_errors(
+        scenes,
+        solutions,
+        partial(_moving_profile_changes_on_grid, device=device),
+        changes=2,
+        tolerance=STATE_FORCE_TOLERANCE,
     )
     # The gas' own memory, Re/10 of its velocity, over the film's.
     lag = np.array([2 * scene.modified_reynolds / scene.sigma for scene in scenes])
     return np.array([changes[:1], [errors[0] + changes[1] + lag * np.abs(changes[0])]])
 
 
-def _on_grid(own: Fields, *, device: Device) -> np.ndarray:
+def _moving_profile_changes_on_grid(own: Fields, *, device: Device) -> np.ndarray:
     """Changes of the mean pressure over it, and what orders above the second may add."""
     count = len(own.scenes)
     places = [
-        with_number_changed(scene, "x_m", steps * DISTANCE_FRACTION * scene.pad.length_x_m)
+        with_number_changed(
+            scene, "x_m", steps * NEIGHBOUR_DISTANCE_FRACTION * scene.pad.length_x_m
+        )
         for steps in range(-2, 3)
         for scene in own.scenes
     ]
@@ -64,7 +70,9 @@ def _on_grid(own: Fields, *, device: Device) -> np.ndarray:
     source: dict[str, np.ndarray] = {}
     means, pressures = [], []
     for order in range(3):
-        films, means_here = solved_beside(films, source, tolerance=STATE_TOLERANCE, device=device)
+        films, means_here = solve_perturbed(
+            films, source, tolerance=STATE_FORCE_TOLERANCE, device=device
+        )
         middle = slice(count * (2 - order), count * (3 - order))
         means.append(means_here[middle])
         pressures.append(films.unknowns[middle, 0])
@@ -72,15 +80,15 @@ def _on_grid(own: Fields, *, device: Device) -> np.ndarray:
             break
         mass = (films.area * films.mass)[films.inner]
         films = films.at(slice(count, -count))
-        per_distance = films.numbers("bearing", absent=0.0) / DISTANCE_FRACTION
+        per_distance = films.numbers("bearing", absent=0.0) / NEIGHBOUR_DISTANCE_FRACTION
         source = {"edge_flow": per_distance * (mass[2 * count :] - mass[: -2 * count])}
     first, second = np.diff(means, axis=0) / means[0]
     sizes = [_root_mean_square(each) for each in (pressures[0], *np.diff(pressures, axis=0))]
-    moves = sizes[1] > 10 * STATE_TOLERANCE * sizes[0]
+    moves = sizes[1] > 10 * STATE_FORCE_TOLERANCE * sizes[0]
     ratio = np.divide(sizes[2], sizes[1], out=np.zeros(count), where=moves)
     # Of a geometric series that falls by half or more, the last order bounds all others.
     higher = np.maximum(np.abs(second), ratio * np.abs(first))
-    return np.where(ratio <= LARGEST_RATIO, [first + second, higher], np.nan)
+    return np.where(ratio <= MAX_SECOND_TO_FIRST_ORDER, [first + second, higher], np.nan)
 
 
 def _root_mean_square(fields: np.ndarray) -> np.ndarray:

@@ -16,42 +16,42 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import unexpected
+from squeezefilm.errors import unexpected_status
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.fields import Fields
-from squeezefilm.quantities.sheared_gas import remainder_of, thrust_change
+from squeezefilm.quantities.sheared_gas import remainder_of_scene, sheared_gas_thrust_n
 from squeezefilm.quantities.states import error_of_change, with_states
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.error_estimate import ROUND_OFF, ROUND_OFF_FACTOR
+from squeezefilm.reynolds.error_estimate import RELATIVE_ROUND_OFF, ROUND_OFF_FACTOR
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import known_solutions, solve
 from squeezefilm.reynolds.spectral import AngleAxis, flux_points
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, checked_outputs
+from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, validated_output_names
 
 # Below this, iterations would end in rounding.
-LEAST_TOLERANCE = 1e-8
+MIN_FORCE_TOLERANCE = 1e-8
 # A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
-TIGHTER_FACTOR, MOST_REPEATED = 1 / 30, 3
+TIGHTER_TOLERANCE_FACTOR, MAX_TIGHTER_SOLUTIONS = 1 / 30, 3
 # No output changes less than this share of the largest change among those alike, each over its
 # size: it may agree by chance, or be small because its parts cancel.
-LEAST_FRACTION_OF_OTHERS = 0.3
+MIN_CHANGE_FRACTION = 0.3
 # An extreme is one value of a polynomial, which nothing averages: the worst of 600 random films at
 # 1e-2 needed 2.8 times what its change and the iteration left.
-EXTREMES_FACTOR = 4.0
+EXTREMES_ERROR_FACTOR = 4.0
 # Distance of the points whose gaps' difference is a slope, of the pad's length: waves as long as
 # a tenth of it are missed by 4e-9, and as little is rounded where the surface hardly moves.
-SLOPE_STEP = 3e-4
+GAP_SLOPE_STEP = 3e-4
 # Of a field, what rounding leaves of an odd one that is made even.
-ODD_ROUND_OFF = 1e-9
+ODD_FIELD_ROUND_OFF = 1e-9
 # Motion with cos ωt over ε that counts as none.
 NEGLIGIBLE_QUADRATURE = 1e-14
 # Cosine moments along each side, and first harmonics of them, that stand by the outputs: the change
 # of an output from grid to grid may be small by chance, that of all these hardly.
-MOMENTS, GUARD, FORCE = 3, "guard", "force"
+GUARD_MOMENT_COUNT, GUARD_NAME, FORCE_NAME = 3, "guard", "force"
 STATE_OUTPUTS = frozenset(OUTPUTS) - {"static_stiffness"}
 QUARTER_PHASES = np.pi / 2 * np.arange(4)
 # Numbers, each with its error, and the reason for each missing output.
@@ -71,7 +71,7 @@ def with_outputs(
     They are those of the periodic state, by whichever method its force was found. Where their
     errors are above the tolerance, states to a tighter one are solved for.
     """
-    asked = checked_outputs(outputs)
+    asked = validated_output_names(outputs)
     solutions = Solutions.of(solutions)
     if not asked:
         return solutions
@@ -79,8 +79,8 @@ def with_outputs(
     films, forces = Scenes.of(scenes)[known], solutions[known]
     parts: list[ValuesAndReasons] = [({}, {})] * len(known)
     if STATE_OUTPUTS & set(asked):
-        within = max(tolerance, LEAST_TOLERANCE)
-        parts = _from_states(films, forces, tolerance=within, device=device)
+        within = max(tolerance, MIN_FORCE_TOLERANCE)
+        parts = _outputs_from_states(films, forces, tolerance=within, device=device)
     if "static_stiffness" in asked:
         more = static_stiffness(films, forces, tolerance=tolerance, device=device)
         parts = [(one | other, a | b) for (one, a), (other, b) in zip(parts, more, strict=True)]
@@ -95,13 +95,13 @@ def missing_reasons(scene: Scene, *, tolerance: float) -> dict[str, str]:
 
     By their names in OUTPUTS. Inertia must be decided.
     """
-    within = max(tolerance, LEAST_TOLERANCE)
+    within = max(tolerance, MIN_FORCE_TOLERANCE)
     (solution,), _ = known_solutions(plan_of(scene), tolerance=within, method="periodic")
     reason = solution.status
-    return dict.fromkeys(OUTPUTS, reason) if reason else _without_formula(scene)
+    return dict.fromkeys(OUTPUTS, reason) if reason else _outputs_without_formula(scene)
 
 
-def _without_formula(scene: Scene) -> dict[str, str]:
+def _outputs_without_formula(scene: Scene) -> dict[str, str]:
     """Return the reason for each missing or partial output, by its name in OUTPUTS."""
     reasons = {}
     if scene.epsilon == 0:
@@ -114,7 +114,7 @@ def _without_formula(scene: Scene) -> dict[str, str]:
         )
     if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
         reasons["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
-    elif _drags_gas(scene) and isnan(remainder_of(scene, vibrating=1.0)):
+    elif _wall_drags_gas(scene) and isnan(remainder_of_scene(scene, vibrating=1.0)):
         reasons["thrust"] = (
             "inertia and heat of the gas that a sliding wall drags are known to first order; here "
             "higher orders are as large; gas.inertia: none with gas.thermal: none has the thrust "
@@ -123,31 +123,33 @@ def _without_formula(scene: Scene) -> dict[str, str]:
     return reasons
 
 
-def _drags_gas(scene: Scene) -> bool:
+def _wall_drags_gas(scene: Scene) -> bool:
     """Return whether a sliding wall drags gas that has inertia or heat."""
     included = "included" in (scene.gas.inertia, scene.gas.thermal)
     return included and bool(scene.bearing_number != 0)
 
 
-def _from_states(
+def _outputs_from_states(
     scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
 ) -> list[ValuesAndReasons]:
     """All outputs that follow from a periodic state, or why there are none."""
     outputs_of_row: dict[int, ValuesAndReasons] = {}
     waiting, solved = np.arange(len(scenes)), solutions
-    for repeated in range(1 + MOST_REPEATED):
-        within = tolerance * TIGHTER_FACTOR**repeated
+    for repeated in range(1 + MAX_TIGHTER_SOLUTIONS):
+        within = tolerance * TIGHTER_TOLERANCE_FACTOR**repeated
         solved = with_states(scenes[waiting], solved, tolerance=within, device=device)
         further = []
         for row, k in enumerate(waiting.tolist()):
             if not solved.states[row]:
-                outputs_of_row.setdefault(k, _unsupported(solved.status[row]))
+                outputs_of_row.setdefault(k, _unsupported_outputs(solved.status[row]))
                 continue
             try:
                 alone = scenes[k : k + 1], solved[row : row + 1]
-                outputs_of_row[k], holds = _outputs_of(*alone, tolerance=tolerance, device=device)
+                outputs_of_row[k], holds = _outputs_on_two_grids(
+                    *alone, tolerance=tolerance, device=device
+                )
             except Exception as error:  # that of one film is no one else's
-                outputs_of_row[k], holds = _unsupported(unexpected(error)), True
+                outputs_of_row[k], holds = _unsupported_outputs(unexpected_status(error)), True
             if not holds:
                 further.append(k)
         if not further:
@@ -156,11 +158,11 @@ def _from_states(
     return [outputs_of_row[k] for k in range(len(scenes))]
 
 
-def _unsupported(reason: str) -> ValuesAndReasons:
+def _unsupported_outputs(reason: str) -> ValuesAndReasons:
     return {}, dict.fromkeys(STATE_OUTPUTS, reason)
 
 
-def _outputs_of(
+def _outputs_on_two_grids(
     scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
 ) -> tuple[ValuesAndReasons, bool]:
     """Outputs of one film from its states on two grids, and whether they hold the tolerance."""
@@ -168,9 +170,9 @@ def _outputs_of(
     before, film = (SampledState(scene, state) for state in states)
     factor, left = (each.item() for each in error_of_change(scenes, solutions, tolerance=tolerance))
     largest = max(film.largest, -film.least)
-    left += ROUND_OFF * largest
+    left += RELATIVE_ROUND_OFF * largest
     # What rounding and the iteration leave is no reason for a finer grid.
-    allowed = ROUND_OFF_FACTOR * ROUND_OFF * largest / (1 - scene.closure()) + left
+    allowed = ROUND_OFF_FACTOR * RELATIVE_ROUND_OFF * largest / (1 - scene.closure()) + left
     coarse, fine = output_weights(before), output_weights(film)
     size = {name: film.size(weight) for name, weight in fine.items()}
     # The value of each number and its error.
@@ -184,17 +186,20 @@ def _outputs_of(
         change = {n: abs(values[n][0] - before.mean(coarse[n])) / size[n] for n in comparable}
         scale = max((abs(values[n][0]) / size[n] for n in comparable), default=0.0)
         most = max(change.values(), default=0.0)
-        least = max(least, LEAST_FRACTION_OF_OTHERS * most)
+        least = max(least, MIN_CHANGE_FRACTION * most)
         holds &= factor * most <= tolerance * scale + allowed
         for n in comparable:
-            error = factor * max(change[n], LEAST_FRACTION_OF_OTHERS * most) + left
+            error = factor * max(change[n], MIN_CHANGE_FRACTION * most) + left
             values[n] = values[n][0], size[n] * error
-    ambient, missing = scene.gas.ambient_pressure_pa, _without_formula(scene)
+    ambient, missing = scene.gas.ambient_pressure_pa, _outputs_without_formula(scene)
     ends = [(film.largest, before.largest), (film.least, before.least)]
     change_of_ends = max([least * largest, *(abs(a - b) for a, b in ends)])
     for name, (peak, _) in zip(OUTPUTS["extremes"], ends, strict=True):
-        values[name] = ambient * peak, ambient * EXTREMES_FACTOR * (factor * change_of_ends + left)
-    (force, doubt), speed = values[FORCE], scene.actuator.angular_frequency_rad_per_s
+        values[name] = (
+            ambient * peak,
+            ambient * EXTREMES_ERROR_FACTOR * (factor * change_of_ends + left),
+        )
+    (force, doubt), speed = values[FORCE_NAME], scene.actuator.angular_frequency_rad_per_s
     for name, moment, sign in (("centre_x", "moment_y", -1), ("centre_y", "moment_x", 1)):
         if abs(force) > 2 * doubt:  # without a force it acts nowhere
             arm, error = sign * values[moment][0] / force, values[moment][1]
@@ -210,7 +215,7 @@ def _outputs_of(
     change_of_drag = max(
         abs(drag - _couette_drag(before)), least * 2 * scene.slip_knudsen * abs(drag)
     )
-    values["sliding_friction"] = drag, factor * change_of_drag + ROUND_OFF * abs(drag)
+    values["sliding_friction"] = drag, factor * change_of_drag + RELATIVE_ROUND_OFF * abs(drag)
     parts = [values["sliding_friction"], (0.0, 0.0)]
     if scene.gas.inertia == "included":  # half of what leaves is taken from the pad
         # Share of it that warm gas would change: twice its warming where it streams.
@@ -221,10 +226,10 @@ def _outputs_of(
         for k, (one, other) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
             off = factor * abs(other - one) + warm * abs(other)
             parts[k] = parts[k][0] - other / 2, parts[k][1] + off / 2
-    if _drags_gas(scene) and "thrust" not in missing:
-        with_gas = thrust_change(scene, solutions[0], device=device or choose_device())
+    if _wall_drags_gas(scene) and "thrust" not in missing:
+        with_gas = sheared_gas_thrust_n(scene, solutions[0], device=device or choose_device())
         by_gas, off_gas = with_gas * scene.force_scale_n * scene.h0_m / scene.pad.length_x_m
-        missed = remainder_of(scene, vibrating=1.0) * np.abs(film.momentum_n) / 2
+        missed = remainder_of_scene(scene, vibrating=1.0) * np.abs(film.momentum_n) / 2
         for k, (value, off) in enumerate(parts):
             parts[k] = float(value + by_gas[k]), float(off + off_gas[k] + missed[k])
         if np.isnan(by_gas).any():
@@ -270,7 +275,7 @@ def output_weights(film: SampledState) -> dict[str, np.ndarray]:
         )
     )
     found = {
-        FORCE: force * np.stack([one, nothing, nothing]),
+        FORCE_NAME: force * np.stack([one, nothing, nothing]),
         "moment_x": force * np.stack([y, nothing, nothing]),
         "moment_y": force * np.stack([-x, nothing, nothing]),
         # F₁ of F₀ + F₁ sin T + F₂ cos T is twice the mean with sin T.
@@ -281,10 +286,10 @@ def output_weights(film: SampledState) -> dict[str, np.ndarray]:
         "thrust_x": force * scene.h0_m * thrust_x,
         "thrust_y": force * scene.h0_m * thrust_y,
     }
-    for k, n, part in np.ndindex(MOMENTS, MOMENTS, 3):
+    for k, n, part in np.ndindex(GUARD_MOMENT_COUNT, GUARD_MOMENT_COUNT, 3):
         wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
-        found[f"{GUARD} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
-    return {name: film.symmetric(weight) for name, weight in found.items()}
+        found[f"{GUARD_NAME} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
+    return {name: film.symmetric_part(weight) for name, weight in found.items()}
 
 
 class SampledState:
@@ -302,10 +307,10 @@ class SampledState:
         self.scene, grid = scene, state.grid
         self.fields = Fields.of([scene], grid, state.unknowns[None])
         self.x, self.y = grid.positions
-        self.largest = _extreme(state.unknowns[0], grid, sign=1)
-        self.least = -_extreme(state.unknowns[0], grid, sign=-1)
+        self.largest = _interpolated_maximum(state.unknowns[0], grid, sign=1)
+        self.least = -_interpolated_maximum(state.unknowns[0], grid, sign=-1)
         inert = scene.gas.inertia == "included"
-        self.momentum_n = momentum_out(self.fields).tolist() if inert else [0.0, 0.0]
+        self.momentum_n = momentum_outflow_n(self.fields).tolist() if inert else [0.0, 0.0]
 
     @cached_property
     def pressure(self) -> np.ndarray:
@@ -318,7 +323,7 @@ class SampledState:
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
         """The gap's derivatives along the pad's x and y, over its lengths: each (3, Q)."""
-        return self._slope(SLOPE_STEP, 0.0), self._slope(0.0, SLOPE_STEP)
+        return self._slope(GAP_SLOPE_STEP, 0.0), self._slope(0.0, GAP_SLOPE_STEP)
 
     def _slope(self, in_x: float, in_y: float) -> np.ndarray:
         """Return a difference of fourth order, which takes the profile beyond the edge too."""
@@ -327,17 +332,17 @@ class SampledState:
         )
         return np.asarray((8 * (after - near) - (beyond - far)) / (12 * (in_x + in_y)))
 
-    def symmetric(self, field: np.ndarray) -> np.ndarray:
+    def symmetric_part(self, field: np.ndarray) -> np.ndarray:
         """Return the part of a field (3, Q) that counts in a mean with the pressure, (3, x, y)."""
         grid, (_, count_x, count_y) = self.fields.grid, self.pressure.shape
         seen = field.reshape(3, len(grid.x.all_nodes), len(grid.y.all_nodes))
         if isinstance(grid.y, AngleAxis):
-            for order in grid.y.mirrored:
+            for order in grid.y.mirror_images:
                 seen = (seen + seen[..., order]) / 2
         else:
             seen = (seen + seen[:, ::-1]) / 2 if grid.x.folded else seen
             seen = (seen + seen[..., ::-1]) / 2 if grid.y.folded else seen
-        odd = np.abs(seen).max() < ODD_ROUND_OFF * np.abs(field).max()
+        odd = np.abs(seen).max() < ODD_FIELD_ROUND_OFF * np.abs(field).max()
         return seen[:, :count_x, :count_y] * (not odd)
 
     def mean(self, weight: np.ndarray) -> float:
@@ -363,7 +368,7 @@ def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
 
 
-def _extreme(field: np.ndarray, grid: Grid, *, sign: int) -> float:
+def _interpolated_maximum(field: np.ndarray, grid: Grid, *, sign: int) -> float:
     """Return the maximum of the interpolant of sign · field near its largest node value.
 
     Args:
@@ -373,7 +378,7 @@ def _extreme(field: np.ndarray, grid: Grid, *, sign: int) -> float:
 
     size = np.abs(field).max() or 1.0
 
-    def fallen(point: np.ndarray) -> float:
+    def negative_interpolant(point: np.ndarray) -> float:
         u, v, phase = point[:, None]
         in_u = np.einsum("pa,abi->pbi", grid.x.at(u), field)
         minimum = grid.y.at(v) @ in_u @ grid.t.at(phase).T
@@ -385,11 +390,11 @@ def _extreme(field: np.ndarray, grid: Grid, *, sign: int) -> float:
     # On the edge of the pad the pressure is ambient: no extreme but that of a film at rest.
     around = isinstance(grid.y, AngleAxis)
     free = [(None, None) if turns else (0.0, 1.0) for turns in (False, around, True)]
-    minimum = minimize(fallen, start, bounds=free, options={"ftol": 1e-13})
+    minimum = minimize(negative_interpolant, start, bounds=free, options={"ftol": 1e-13})
     return float(max(0.0, sign * field[best], -size * minimum.fun))
 
 
-def momentum_out(film: Fields) -> np.ndarray:
+def momentum_outflow_n(film: Fields) -> np.ndarray:
     """Momentum ⟨∮ρ h β ū ū·n⟩ that a gas with inertia carries over the edge of a film, in newtons.
 
     The momentum equation integrated over gap, pad and period says that both walls together give the
@@ -410,8 +415,8 @@ def momentum_out(film: Fields) -> np.ndarray:
         if outline := grid.outline:  # both ends of μ are all of the edge; ū is that times |z′|
             along, around = flux[:, 0]
             ways = (along + 1j * around) / film.map_slope[0, :, 0].conj()
-            ways /= outline.typical_stretch**0.5
-            around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.typical_stretch
+            ways /= outline.mean_edge_area_ratio**0.5
+            around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.mean_edge_area_ratio
             momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
         else:
             side_m = (scene.pad.length_y_m, scene.pad.length_x_m)[k]
@@ -426,7 +431,7 @@ def _momentum_flux_at_ends(film: Fields, k: int) -> np.ndarray:
     """Return ⟨ρ h β ū·n ū⟩ along x or y and across it, at its ends: (2, ends, nodes inside)."""
     axis, other = film.axes_with_ends[k], (film.grid.y, film.grid.x)[k]
     ends = [0] if axis.folded else [0, -1]
-    at = film.inside_across(k)
+    at = film.inner_nodes_across(k)
     gap, velocity, outward = (
         np.moveaxis(each[at], 1 + k, 1)[0, ends]
         for each in (film.gap, film.velocity_on_edge[k], -film.inward[k])
@@ -448,10 +453,12 @@ def _momentum_flux_at_ends(film: Fields, k: int) -> np.ndarray:
 
 # Half the distance of numbers in a difference quotient, relative; taken once more twice as wide,
 # whose difference bounds what the quotient misses.
-QUOTIENT_STEP, QUOTIENT_MULTIPLES = 0.01, (-2, -1, 1, 2)
+DIFFERENCE_QUOTIENT_STEP, DIFFERENCE_QUOTIENT_MULTIPLES = 0.01, (-2, -1, 1, 2)
 
 
-def negative_slopes(scenes: Sequence[Scene], name: str, **how: Any) -> tuple[np.ndarray, list[str]]:
+def negative_force_slopes(
+    scenes: Sequence[Scene], name: str, **how: Any
+) -> tuple[np.ndarray, list[str]]:
     """Return forces F, their errors, −∂F/∂number by difference quotients, and its error.
 
     Args:
@@ -461,7 +468,7 @@ def negative_slopes(scenes: Sequence[Scene], name: str, **how: Any) -> tuple[np.
     Returns:
         The four as rows, (4, n), NaN where a force is missing, and why it is, one text a scene.
     """
-    factors = 1 + QUOTIENT_STEP * np.array([0, *QUOTIENT_MULTIPLES])
+    factors = 1 + DIFFERENCE_QUOTIENT_STEP * np.array([0, *DIFFERENCE_QUOTIENT_MULTIPLES])
     count = len(factors)
     unit = np.array([getattr(scene, name) for scene in scenes])
     moved: list[dict[str, Any]] = [
@@ -472,9 +479,12 @@ def negative_slopes(scenes: Sequence[Scene], name: str, **how: Any) -> tuple[np.
     )
     force, a, b, c, d = solutions.force_n.reshape(len(scenes), count).T
     errors = solutions.force_error_n.reshape(len(scenes), count).T
-    narrow, wide = (b - c) / (2 * QUOTIENT_STEP * unit), (a - d) / (4 * QUOTIENT_STEP * unit)
+    narrow, wide = (
+        (b - c) / (2 * DIFFERENCE_QUOTIENT_STEP * unit),
+        (a - d) / (4 * DIFFERENCE_QUOTIENT_STEP * unit),
+    )
     # The wide quotient misses four times what the narrow one does.
-    noise = (errors[2] + errors[3]) / (2 * QUOTIENT_STEP * unit)
+    noise = (errors[2] + errors[3]) / (2 * DIFFERENCE_QUOTIENT_STEP * unit)
     fall, error = narrow + (narrow - wide) / 3, np.abs(narrow - wide) / 3 + 4 / 3 * noise
     bad = ["" if status == "ok" else status for status in solutions.status]
     reasons = [max(bad[k : k + count]) for k in range(0, len(bad), count)]
@@ -495,8 +505,10 @@ def static_stiffness(
         if known.status == "ok":
             value, error = -known.value["h0_m"], known.error["h0_m"]
         else:
-            rows, (bad,) = negative_slopes([scene], "h0_m", tolerance=tolerance, device=device)
+            rows, (bad,) = negative_force_slopes(
+                [scene], "h0_m", tolerance=tolerance, device=device
+            )
             value, error = rows[2:, 0].tolist()
-        reason = f"no force at a gap within {2 * QUOTIENT_STEP:.0%}: {bad}"
+        reason = f"no force at a gap within {2 * DIFFERENCE_QUOTIENT_STEP:.0%}: {bad}"
         stiffnesses.append(({}, {name: reason}) if bad else ({name: (value, error)}, {}))
     return stiffnesses

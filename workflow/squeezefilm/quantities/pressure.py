@@ -12,8 +12,10 @@ from squeezefilm.reynolds.spectral import period
 
 # The pressure at a place is known to about half the digits of its mean: the force is solved for to
 # a power of the tolerance, then to a tenth of that, until no value changes by more than it.
-TOLERANCE_POWER, LEAST_TOLERANCE, MOST_REPEATED = 1.75, 1e-10, 3
-NO_STATE = "no periodic state was found in which the pressure holds the tolerance at every place"
+FORCE_TOLERANCE_POWER, MIN_FORCE_TOLERANCE, MAX_TIGHTER_SOLUTIONS = 1.75, 1e-10, 3
+NO_STATE_MESSAGE = (
+    "no periodic state was found in which the pressure holds the tolerance at every place"
+)
 
 
 def pressure(
@@ -27,16 +29,18 @@ def pressure(
     Inertia must be decided (model_error.py).
     Raises RunError saying why there is no such pressure.
     """
-    for repeated in range(1 + MOST_REPEATED):
+    for repeated in range(1 + MAX_TIGHTER_SOLUTIONS):
         (solution,) = solve(
             [scene],
-            tolerance=max(tolerance**TOLERANCE_POWER, LEAST_TOLERANCE) * 0.1**repeated,
+            tolerance=max(tolerance**FORCE_TOLERANCE_POWER, MIN_FORCE_TOLERANCE) * 0.1**repeated,
             method="periodic",
             device=device,
             keep_states=True,
         )
         if not solution.states:
-            raise RunError(f"{NO_STATE}: {solution.status}" if repeated else solution.status)
+            raise RunError(
+                f"{NO_STATE_MESSAGE}: {solution.status}" if repeated else solution.status
+            )
         before, values = (
             _interpolated_state(state, pad=scene.pad, x=x, y=y, instants=instants)
             for state in solution.states
@@ -44,7 +48,7 @@ def pressure(
         change = float(np.nanmax(np.abs(values - before)))
         if change <= tolerance * np.nanmax(np.abs(values)):
             return values, change
-    raise RunError(NO_STATE)
+    raise RunError(NO_STATE_MESSAGE)
 
 
 def _interpolated_state(

@@ -38,20 +38,20 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields, dot
-from squeezefilm.quantities.states import changes_with_errors, solved_beside
+from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed
 from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import Solution
 
 # Relative error of the force that an iteration of the state may leave.
-STATE_TOLERANCE = 1e-6
+STATE_FORCE_TOLERANCE = 1e-6
 # The same, where the quantity is a thrust, a small part of the force.
-THRUST_TOLERANCE = 1e-8
+STATE_THRUST_TOLERANCE = 1e-8
 # What first order misses, over its second order and the sizes of the effects, and the largest
 # second order of which that is known (tests/numerics/data/sheared_strips.csv).
-SECOND_ORDER_FACTOR, MOST_SECOND_ORDER = 0.3, 2.0
+FIRST_ORDER_REMAINDER_FACTOR, MAX_KNOWN_SECOND_ORDER = 0.3, 2.0
 
 
-def force_changes(
+def sheared_gas_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
     """Return the relative changes of the forces by inertia and heat of the dragged gas.
@@ -65,17 +65,19 @@ def force_changes(
         solution has no states or the state with the change is not found.
     """
 
-    def on_grid(films: Fields) -> np.ndarray:
-        source = mass_source(films)
-        how: dict[str, Any] = {"tolerance": STATE_TOLERANCE, "device": device}
-        _, without = solved_beside(films, {}, **how)
-        _, with_source = solved_beside(films, {"edge_flow": source}, **how)
+    def sheared_gas_change_on_grid(films: Fields) -> np.ndarray:
+        source = mass_source_of_sliding(films)
+        how: dict[str, Any] = {"tolerance": STATE_FORCE_TOLERANCE, "device": device}
+        _, without = solve_perturbed(films, {}, **how)
+        _, with_source = solve_perturbed(films, {"edge_flow": source}, **how)
         return np.array([with_source / without - 1])
 
-    return changes_with_errors(scenes, solutions, on_grid, changes=1, tolerance=STATE_TOLERANCE)
+    return force_changes_and_errors(
+        scenes, solutions, sheared_gas_change_on_grid, changes=1, tolerance=STATE_FORCE_TOLERANCE
+    )
 
 
-def thrust_change(scene: Scene, solution: Solution, *, device: Device) -> np.ndarray:
+def sheared_gas_thrust_n(scene: Scene, solution: Solution, *, device: Device) -> np.ndarray:
     """Return what inertia and heat of the dragged gas add to the forces along the pad's x and y.
 
     Args:
@@ -88,30 +90,32 @@ def thrust_change(scene: Scene, solution: Solution, *, device: Device) -> np.nda
     """
     in_y = np.array([1.0, solution.states[0].grid.fold_y == 0])
 
-    def on_grid(own: Fields) -> np.ndarray:
+    def thrust_change_on_grid(own: Fields) -> np.ndarray:
         pressed = []
-        for added in ({}, {"edge_flow": mass_source(own)}):
-            films, means = solved_beside(own, added, tolerance=THRUST_TOLERANCE, device=device)
+        for added in ({}, {"edge_flow": mass_source_of_sliding(own)}):
+            films, means = solve_perturbed(
+                own, added, tolerance=STATE_THRUST_TOLERANCE, device=device
+            )
             # −(h/2) ∇p, and p on the pad's own slope; NaN where there is no state.
             by_slope = (films.rest_gap - films.gap / 2) * films.slope
             pressed.append(by_slope + 0 * means[:, None, None, None])
-        parts = (pressed[1] - pressed[0], *stress_on_pad(films))
-        by_place = films.along_axes(np.stack(parts, axis=1))
+        parts = (pressed[1] - pressed[0], *sliding_stress_on_pad(films))
+        by_place = films.to_pad_axes(np.stack(parts, axis=1))
         by_part = films.mean(by_place)
         # Parts of a stress may cancel, and no less is missed of them.
         sizes = np.abs(by_part[:, 0]) + films.mean(np.abs(by_place[:, 1:])).sum(axis=1)
         return np.concatenate([by_part.sum(axis=1), sizes]) * np.tile(in_y, 2)[:, None]
 
-    (values, errors) = changes_with_errors(
-        [scene], [solution], on_grid, changes=4, tolerance=THRUST_TOLERANCE
+    (values, errors) = force_changes_and_errors(
+        [scene], [solution], thrust_change_on_grid, changes=4, tolerance=STATE_THRUST_TOLERANCE
     )[..., 0]
-    missed = remainder_of(scene, vibrating=1.0)
-    missed += SECOND_ORDER_FACTOR * _widest_square(scene) * scene.modified_reynolds
+    missed = remainder_of_scene(scene, vibrating=1.0)
+    missed += FIRST_ORDER_REMAINDER_FACTOR * _widest_gap_squared(scene) * scene.modified_reynolds
     missed += 6 * scene.slip_knudsen  # of the wall's velocity no slip is known
     return np.array([values[:2], in_y * errors[:2] + missed * values[2:]])
 
 
-def stress_on_pad(films: Fields) -> tuple[np.ndarray, np.ndarray]:
+def sliding_stress_on_pad(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     """Return what has the mean of the stress on the pad that U adds by inertia and by heat."""
     v, wall, mass = films.velocity, wall_velocity(films), films.mass
     by_wall = films.convected(v + wall) - films.convected(v)
@@ -120,33 +124,33 @@ def stress_on_pad(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     shortfall = by_wall * mass / 5 + v * (0.3 * passed) + wall * (steepened / 30)
     by_inertia = -films.numbers("reynolds", absent=0.0) * films.sigma / 12 * shortfall
     heating, square = films.numbers("heating", absent=0.0), films.gap**2
-    friction, mixed, sheared, jump = warmth(films)
+    friction, mixed, sheared, jump = viscous_heating(films)
     warm = (square * films.pressure_rate * jump + sheared) / 12 - friction / 20
     exponent = films.numbers("viscosity_exponent", absent=0.0)
     thicker = exponent * heating * films.sigma / films.gap
     return by_inertia, thicker * (wall * (warm / 12) + v * (mixed / 240))
 
 
-def remainder_of(scene: Scene, *, vibrating: float) -> float:
+def remainder_of_scene(scene: Scene, *, vibrating: float) -> float:
     """Return the bound of the second order over the sizes of the effects of inertia and heat.
 
     Args:
         vibrating: fraction of the effects that is not there in the same film without vibration.
     """
-    widest = _widest_square(scene)
-    return remainder(
+    widest = _widest_gap_squared(scene)
+    return first_order_error(
         bearing=abs(scene.bearing_number),
         shear_reynolds=widest * scene.shear_reynolds,
         vibrating_reynolds=widest * scene.modified_reynolds * vibrating,
     )
 
 
-def _widest_square(scene: Scene) -> float:
+def _widest_gap_squared(scene: Scene) -> float:
     """Return the square of the widest gap at rest over h0."""
     return float(Scenes.of([scene]).static_gap_range[1][0]) ** 2
 
 
-def remainder(*, bearing: float, shear_reynolds: float, vibrating_reynolds: float) -> float:
+def first_order_error(*, bearing: float, shear_reynolds: float, vibrating_reynolds: float) -> float:
     """Return what first order misses, over the sizes of the effects; NaN where it is unknown.
 
     A force is that of the steady film and what vibration adds. Second orders of both go with
@@ -160,23 +164,27 @@ def remainder(*, bearing: float, shear_reynolds: float, vibrating_reynolds: floa
             adds.
     """
     second_order = shear_reynolds * (1 + bearing) + vibrating_reynolds * bearing / (1 + bearing)
-    return SECOND_ORDER_FACTOR * second_order if second_order <= MOST_SECOND_ORDER else nan
+    return (
+        FIRST_ORDER_REMAINDER_FACTOR * second_order
+        if second_order <= MAX_KNOWN_SECOND_ORDER
+        else nan
+    )
 
 
-def mass_source(films: Fields) -> np.ndarray:
+def mass_source_of_sliding(films: Fields) -> np.ndarray:
     """Return what U adds to the film equation at the unknowns, − σ ∇·m − σ ∂μ/∂T."""
-    flux, stored = added_by_sliding(films)
+    flux, stored = sliding_flux_and_mass(films)
     rate = films.area * films.t_derivative(stored)
     return np.asarray((-films.sigma * (films.divergence(flux) + rate))[films.inner])
 
 
-def added_by_sliding(films: Fields) -> tuple[np.ndarray, np.ndarray]:
+def sliding_flux_and_mass(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     """Return the flux of mass, (2, scenes, x, y, t), and mass per area, (scenes, x, y, t)."""
-    by_heat, stored = flux_and_mass_by_heat(films)
-    return flux_by_inertia(films) + by_heat, stored
+    by_heat, stored = flux_and_mass_by_heating(films)
+    return sliding_flux_by_inertia(films) + by_heat, stored
 
 
-def flux_by_inertia(films: Fields) -> np.ndarray:
+def sliding_flux_by_inertia(films: Fields) -> np.ndarray:
     """Return the flux that U adds by inertia; of slip only the longer lag."""
     v, wall, mass = films.velocity, wall_velocity(films), films.mass
     by_wall = films.convected(v + wall) - films.convected(v)  # (U·∇)ū, for U is uniform
@@ -188,12 +196,12 @@ def flux_by_inertia(films: Fields) -> np.ndarray:
     return -films.numbers("lag", absent=0.0) * films.gap * (mass + slip) * shortfall
 
 
-def flux_and_mass_by_heat(films: Fields) -> tuple[np.ndarray, np.ndarray]:
+def flux_and_mass_by_heating(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     """Return the flux and the mass per area that U adds by heat."""
     v, wall, square = films.velocity, wall_velocity(films), films.gap**2
     heating = films.numbers("heating", absent=0.0)
     exponent = films.numbers("viscosity_exponent", absent=0.0)
-    friction, mixed, sheared, jump = warmth(films)
+    friction, mixed, sheared, jump = viscous_heating(films)
     warming = sheared + square * films.pressure_rate * jump
     with_wall = warming / 24 - friction / 40 + (exponent - 1) * mixed / 240
     lost = heating * films.mass
@@ -201,7 +209,7 @@ def flux_and_mass_by_heat(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     return flux, -lost * sheared / 12
 
 
-def warmth(films: Fields) -> tuple[np.ndarray, ...]:
+def viscous_heating(films: Fields) -> tuple[np.ndarray, ...]:
     """Return b ū² H², b U·ū H², A H² and the factor by which a jump at the walls warms more."""
     v, wall = films.velocity, wall_velocity(films)
     jump = 1 + films.numbers("jump_warms", absent=0.0) / films.mass

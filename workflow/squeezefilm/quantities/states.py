@@ -12,16 +12,16 @@ from squeezefilm.quantities.fields import Fields
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import UNKNOWN_RATIO, error_per_change
 from squeezefilm.reynolds.periodic.launch import solve_batch
-from squeezefilm.reynolds.periodic.resolution import least_ratio, profile_ratio
+from squeezefilm.reynolds.periodic.resolution import min_convergence_ratio, profile_error_ratio
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import distinct_terms, with_velocities
+from squeezefilm.reynolds.terms import distinct_terms, have_velocities
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 from squeezefilm.solution import Solution, Solutions
 
 # Of a gas with inertia, or that warms, changes creep or fall suddenly: so many times the change is
 # taken. That of a quantity has no size beside it, as that of the force has.
-VELOCITY_MARGIN = 2.0
+VELOCITY_ERROR_MARGIN = 2.0
 
 
 def with_states(
@@ -59,10 +59,10 @@ def groups_on_equal_grids(
 
 
 # Numbers of the finer states of films that are solved together.
-NUMBERS_PER_BATCH = 2**19
+STATE_VALUES_PER_BATCH = 2**19
 
 
-def changes_with_errors(
+def force_changes_and_errors(
     scenes: Sequence[Scene],
     solutions: Sequence[Solution],
     on_grid: Callable[[Fields], np.ndarray],
@@ -82,7 +82,7 @@ def changes_with_errors(
     """
     scenes, solutions = Scenes.of(scenes), Solutions.of(solutions)
     changes_and_errors = np.full((2, changes, len(scenes)), np.nan)
-    for rows in groups_on_equal_grids(scenes, solutions, numbers=NUMBERS_PER_BATCH):
+    for rows in groups_on_equal_grids(scenes, solutions, numbers=STATE_VALUES_PER_BATCH):
         group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
             on_grid(Fields.of(group, states[0].grid, np.stack([each.unknowns for each in states])))
@@ -93,7 +93,7 @@ def changes_with_errors(
     return changes_and_errors
 
 
-def solved_beside(
+def solve_perturbed(
     films: Fields, added: Mapping[str, np.ndarray], *, tolerance: float, device: Device
 ) -> tuple[Fields, np.ndarray]:
     """Solve for states beside some, from these: with a source of mass or a pressure on the edge.
@@ -105,7 +105,7 @@ def solved_beside(
     Returns:
         The states, and their mean pressures, (scenes,), NaN where there is none.
     """
-    none = dict.fromkeys(EdgePressure.OPERATORS, np.zeros_like(films.unknowns[:, 0]))
+    none = dict.fromkeys(EdgePressure.OPERATOR_NAMES, np.zeros_like(films.unknowns[:, 0]))
     how: dict[str, Any] = {"tolerance": tolerance, "device": device, "guess": films.unknowns}
     states = solve_batch(films.scenes, films.grid, **how, terms=films.terms, edge={**none, **added})
     mean = np.where(states.status == 0, states.mean + films.mean(films.edge), np.nan)
@@ -125,10 +125,10 @@ def error_of_change(
     """
     plan, (coarse, fine) = plan_of(scenes), (state.grid.across for state in solutions.states[0])
     fall = np.maximum(
-        np.maximum(UNKNOWN_RATIO, profile_ratio(plan, coarse, fine, tolerance=tolerance)),
-        least_ratio(scenes),
+        np.maximum(UNKNOWN_RATIO, profile_error_ratio(plan, coarse, fine, tolerance=tolerance)),
+        min_convergence_ratio(scenes),
     )
     # A mass error w moves the pressure by about n w/H.
     left = scenes.gas.polytropic_exponent * solutions.residual / scenes.narrowest
-    margin = VELOCITY_MARGIN if with_velocities(plan.terms) else 1.0
+    margin = VELOCITY_ERROR_MARGIN if have_velocities(plan.terms) else 1.0
     return margin * error_per_change(fall), left

@@ -25,9 +25,9 @@ from squeezefilm.lazy import cl
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds.kernel_cache import (
     check_kernel_cache,
-    known_as_sound,
-    remember,
-    remove_damaged,
+    is_known_intact,
+    record_cached_program,
+    remove_damaged_programs,
 )
 
 DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
@@ -35,25 +35,33 @@ ALIGNMENT_BYTES = 64
 # Doubles behind an array that kernels may read with the last of it, and not use (vectors.cl).
 PADDING_DOUBLES = 8
 # Host arrays that a pool keeps: how many, and doubles of each.
-MOST_POOLED, LEAST_POOLED, LARGEST_POOLED = 4, 2**17, 2**22
+MAX_POOLED_ARRAYS, MIN_POOLED_DOUBLES, MAX_POOLED_DOUBLES = 4, 2**17, 2**22
 BUILD_OPTIONS = ("-cl-std=CL1.2", "-cl-mad-enable")
 # Vectors of 64 bytes need all of these, and a compiler that uses them. PoCL's LLVM is older than
 # some processors and takes them for earlier ones without AVX-512: it would emulate such vectors by
 # halves, slowly and with a warning for each. Kernels are therefore compiled for these sets by name.
-VECTORS_64 = ("avx512f", "avx512dq", "avx512vl", "avx512bw", "avx512cd", "fma", "avx2")
+FLAGS_FOR_64_BYTE_VECTORS = (
+    "avx512f",
+    "avx512dq",
+    "avx512vl",
+    "avx512bw",
+    "avx512cd",
+    "fma",
+    "avx2",
+)
 # LLVM calls a processor that is younger than itself ``generic``; PoCL 3.0 hands that name to the
 # compiler, which refuses it (pocl issue 1049), and has no setting for another. The name lies behind
 # a pointer in PoCL's record of the device: there it is replaced by the instruction set that the
 # processor has, in the levels of the x86-64 ABI. Here is what each level adds to the one before.
-INSTRUCTION_SETS = {
+FLAGS_OF_INSTRUCTION_SET = {
     "x86-64-v2": {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3"},
     "x86-64-v3": {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"},
     "x86-64-v4": {"avx512bw", "avx512cd", "avx512dq", "avx512f", "avx512vl"},
 }
 GENERIC_PROCESSOR = "generic"
-CPU_INFO = Path("/proc/cpuinfo")
+CPU_INFO_FILE = Path("/proc/cpuinfo")
 # The record's first bytes, among which the pointer is looked for.
-RECORD_BYTES = 1024
+DEVICE_RECORD_BYTES = 1024
 
 
 @dataclass(frozen=True)
@@ -62,31 +70,31 @@ class Device:
 
     Attributes:
         context, queue: pyopencl objects; the queue runs kernels one after the other.
-        transfers: a queue for what comes back, which need not wait for kernels behind its own.
+        transfer_queue: a queue for what comes back, which need not wait for kernels behind its own.
         name: platform and device name, as reported by ``doctor`` and kept with results.
         groups: work-groups to launch, each with its workspace.
         work_items: work-items per group; 1 on a processor, whose groups are cores.
         register_bytes: size of the vectors that a processor computes with.
         instruction_sets: those that kernels are compiled for, beyond what the driver knows.
         memory_bytes: the device's own memory.
-        processor: whether it is one, and not an accelerator.
+        is_processor: whether it is one, and not an accelerator.
         process_id: of the process that may use it: a forked one waits for ever for its threads.
-        rooms: the buffer that kernels work in, kept from launch to launch.
+        workspace_buffers: the buffer that kernels work in, kept from launch to launch.
         arrays: host arrays that launches are done with, for the next ones.
     """
 
     context: Any
     queue: Any
-    transfers: Any
+    transfer_queue: Any
     name: str
     groups: int
     work_items: int
     memory_bytes: int
-    processor: bool = True
+    is_processor: bool = True
     register_bytes: int = 32
     instruction_sets: tuple[str, ...] = ()
     process_id: int = field(default_factory=os.getpid)
-    rooms: list[Any] = field(default_factory=list, compare=False)
+    workspace_buffers: list[Any] = field(default_factory=list, compare=False)
     arrays: list[np.ndarray] = field(default_factory=list, compare=False)
 
     def check_process(self) -> None:
@@ -106,69 +114,71 @@ class Device:
         """Return the number of values that a work-item computes with at a time."""
         return 4 if self.work_items > 1 else self.register_bytes // number_bytes
 
-    def sent(self, values: np.ndarray) -> Any:
+    def copied_to_buffer(self, values: np.ndarray) -> Any:
         """A buffer that holds a copy of ``values``."""
         flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
         return cl.Buffer(self.context, flags, hostbuf=values)
 
-    def shared(self, values: np.ndarray) -> Any:
-        """A buffer that starts as ``values``; ``fetch`` brings back what kernels make of it.
+    def shared_buffer(self, values: np.ndarray) -> Any:
+        """A buffer that starts as ``values``; ``fetch_buffer`` brings back what kernels make of it.
 
         A device that works in the host's memory, like a processor, gets the array itself, which
-        must then come from ``aligned`` if kernels read it in vectors.
+        must then come from ``aligned_array`` if kernels read it in vectors.
         """
         kind = cl.mem_flags.USE_HOST_PTR if self._in_host_memory else cl.mem_flags.COPY_HOST_PTR
         return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | kind, hostbuf=values)
 
-    def fetch(self, values: np.ndarray, buffer: Any, *, after: Any) -> None:
+    def fetch_buffer(self, values: np.ndarray, buffer: Any, *, after: Any) -> None:
         """Wait for the event of a kernel and bring a shared buffer's contents into its array."""
         if not self._in_host_memory:
-            cl.enqueue_copy(self.transfers, values, buffer, wait_for=[after])
+            cl.enqueue_copy(self.transfer_queue, values, buffer, wait_for=[after])
             return
         where = (0, values.shape, values.dtype)
         mapped, _ = cl.enqueue_map_buffer(
-            self.transfers, buffer, cl.map_flags.READ, *where, wait_for=[after]
+            self.transfer_queue, buffer, cl.map_flags.READ, *where, wait_for=[after]
         )
-        mapped.base.release(self.transfers)
+        mapped.base.release(self.transfer_queue)
 
     @property
     def loops_over_items(self) -> bool:
         """Return whether kernels are compiled with a loop over the work-items between barriers."""
-        return self.work_items > 1 and self.processor and _of_pocl(self.context.devices[0])
+        return (
+            self.work_items > 1 and self.is_processor and _is_pocl_device(self.context.devices[0])
+        )
 
-    def room(self, numbers: int) -> Any:
+    def workspace_buffer(self, numbers: int) -> Any:
         """A buffer of so many doubles, or more, for a kernel to work in, and padding.
 
         All kernels get the same one, for the queue runs them one after the other, and it is kept:
         new memory is expensive, the system clears its pages first.
         """
         size = 8 * (numbers + PADDING_DOUBLES)
-        if not self.rooms or self.rooms[0].size < size:
-            self.rooms.clear()
-            self.rooms.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
-        return self.rooms[0]
+        if not self.workspace_buffers or self.workspace_buffers[0].size < size:
+            self.workspace_buffers.clear()
+            self.workspace_buffers.append(cl.Buffer(self.context, cl.mem_flags.READ_WRITE, size))
+        return self.workspace_buffers[0]
 
     def host_array(self, count: int) -> np.ndarray:
         """An array of so many doubles, or more, as whoever had it before has left it.
 
         The system clears the pages of new memory, which takes a tenth of the time of a batch.
         """
-        if count > LARGEST_POOLED:
-            return aligned(count)
-        array = self.arrays.pop() if self.arrays else aligned(LEAST_POOLED)
-        return array if array.size >= count else aligned(count)
+        if count > MAX_POOLED_DOUBLES:
+            return aligned_array(count)
+        array = self.arrays.pop() if self.arrays else aligned_array(MIN_POOLED_DOUBLES)
+        return array if array.size >= count else aligned_array(count)
 
     def release(self, *arrays: np.ndarray) -> None:
         """Let the next launches have some host arrays."""
-        small = [array for array in arrays if array.size <= LARGEST_POOLED]
-        self.arrays.extend(small[: MOST_POOLED - len(self.arrays)])
+        small = [array for array in arrays if array.size <= MAX_POOLED_DOUBLES]
+        self.arrays.extend(small[: MAX_POOLED_ARRAYS - len(self.arrays)])
 
     @cached_property
     def _in_host_memory(self) -> bool:
         return bool(self.context.devices[0].host_unified_memory)
 
 
-def aligned(count: int) -> np.ndarray:
+def aligned_array(count: int) -> np.ndarray:
     """Room for doubles that kernels can read as vectors, shape (count,)."""
     room = np.empty(count + ALIGNMENT_BYTES // 8)
     start = -room.ctypes.data % ALIGNMENT_BYTES // 8
@@ -212,23 +222,25 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
             f"no OpenCL device with double precision matches {wanted!r}; devices found: {others}. "
             'An embedded one comes with: pip install "pyopencl[pocl]"'
         )
-    device = min(devices, key=lambda each: (not each.type & cl.device_type.GPU, not _of_pocl(each)))
+    device = min(
+        devices, key=lambda each: (not each.type & cl.device_type.GPU, not _is_pocl_device(each))
+    )
     context = cl.Context([device])
     on_gpu = bool(device.type & cl.device_type.GPU)
     wide = device.native_vector_width_double >= 8
     instruction_sets: tuple[str, ...] = ()
-    if _of_pocl(device):
-        wide = processor_flags().issuperset(VECTORS_64)
-        instruction_sets = VECTORS_64 if wide else ()
+    if _is_pocl_device(device):
+        wide = processor_flags().issuperset(FLAGS_FOR_64_BYTE_VECTORS)
+        instruction_sets = FLAGS_FOR_64_BYTE_VECTORS if wide else ()
     return Device(
         context=context,
         queue=cl.CommandQueue(context),
-        transfers=cl.CommandQueue(context),
+        transfer_queue=cl.CommandQueue(context),
         name=device_name(device),
         groups=device.max_compute_units * (4 if on_gpu else 1),
         work_items=work_items or (128 if on_gpu else 1),
         memory_bytes=device.global_mem_size,
-        processor=bool(device.type & cl.device_type.CPU),
+        is_processor=bool(device.type & cl.device_type.CPU),
         register_bytes=64 if wide else 32,
         instruction_sets=instruction_sets,
     )
@@ -281,7 +293,7 @@ def kernel(
         f"DOUBLE_LANES={device.vector_width(8)}",
         f"FLOAT_LANES={device.vector_width(4)}",
     )
-    return cl.Kernel(_program(device, header, sources, sizes), name)
+    return cl.Kernel(_built_program(device, header, sources, sizes), name)
 
 
 def run_kernel(device: Device, kernel: Any, *arguments: Any, groups: int) -> Any:
@@ -296,7 +308,7 @@ def run_kernel(device: Device, kernel: Any, *arguments: Any, groups: int) -> Any
     return cl.enqueue_nd_range_kernel(device.queue, kernel, (groups * items,), (items,))
 
 
-def _of_pocl(device: Any) -> bool:
+def _is_pocl_device(device: Any) -> bool:
     return bool(device.platform.name.strip() == "Portable Computing Language")
 
 
@@ -323,36 +335,36 @@ SLOW_BUILD_S = 1.0
 
 
 @cache
-def _program(
+def _built_program(
     device: Device, header: str, sources: tuple[str, ...], defines: tuple[str, ...]
 ) -> Any:
     handle = device.context.devices[0]
-    if _of_pocl(handle):
+    if _is_pocl_device(handle):
         # The guard of the header that builtins.cl stands for.
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
     texts = [header, *((Path(__file__).parent / name).read_text("utf-8") for name in sources)]
     if device.instruction_sets:
-        texts = compiled_for(device.instruction_sets, texts)
-    processor = known_processor(handle)
+        texts = sources_compiled_for(device.instruction_sets, texts)
+    processor = nearest_known_processor(handle)
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
     source, options = "\n".join(texts), [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
     described = [source, *options, device.name, handle.version, handle.driver_version]
     name = hashlib.sha256("\0".join(described).encode()).hexdigest()
-    if not _of_pocl(handle) or known_as_sound(name):
-        return _build(device, source, options)
+    if not _is_pocl_device(handle) or is_known_intact(name):
+        return _build_program(device, source, options)
     check_linker(shutil.which("ld"))
     started_s = time.time()
-    program = _build(device, source, options)
-    if remove_damaged(since_s=started_s):
+    program = _build_program(device, source, options)
+    if remove_damaged_programs(since_s=started_s):
         # Kept for ever: where PoCL could not read a program, it aborts when it lets go of it.
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(program))
-        program = _build(device, source, options)
-    remember(name, since_s=started_s)
+        program = _build_program(device, source, options)
+    record_cached_program(name, since_s=started_s)
     return program
 
 
-def _build(device: Device, source: str, options: Sequence[str]) -> Any:
+def _build_program(device: Device, source: str, options: Sequence[str]) -> Any:
     notice = threading.Timer(SLOW_BUILD_S, announce_compilation)
     notice.start()
     try:
@@ -363,7 +375,7 @@ def _build(device: Device, source: str, options: Sequence[str]) -> Any:
         notice.cancel()
 
 
-def compiled_for(instruction_sets: Sequence[str], texts: Sequence[str]) -> list[str]:
+def sources_compiled_for(instruction_sets: Sequence[str], texts: Sequence[str]) -> list[str]:
     """Return sources whose functions clang compiles for some instruction sets."""
     target = f'target("{",".join(instruction_sets)}")'
     begin = f"#pragma clang attribute push(__attribute__(({target})), apply_to = function)"
@@ -376,31 +388,31 @@ def announce_compilation() -> None:
     print_step("compiling kernels for this device: once, up to a minute")
 
 
-def known_processor(device: Any) -> str:
+def nearest_known_processor(device: Any) -> str:
     """The name under which an unknown processor is compiled for; empty for all other devices.
 
     From then on PoCL knows it under that name. Programs are to be built with it among their
     options, for PoCL keeps those of all processors that it does not know under one name.
     """
-    unknown = _of_pocl(device) and device.version.strip().endswith(f"-{GENERIC_PROCESSOR}")
-    if not (unknown and platform.machine() == "x86_64" and CPU_INFO.exists()):
+    unknown = _is_pocl_device(device) and device.version.strip().endswith(f"-{GENERIC_PROCESSOR}")
+    if not (unknown and platform.machine() == "x86_64" and CPU_INFO_FILE.exists()):
         return ""
     name = instruction_set_level(processor_flags())
-    rename(device.int_ptr, name)
+    rename_processor(device.int_ptr, name)
     return name
 
 
 def instruction_set_level(flags: frozenset[str]) -> str:
     """The highest level of which a processor has all."""
     highest = "x86-64"
-    for name, added in INSTRUCTION_SETS.items():
+    for name, added in FLAGS_OF_INSTRUCTION_SET.items():
         if not added <= flags:
             break
         highest = name
     return highest
 
 
-def rename(address: int, name: str) -> bool:
+def rename_processor(address: int, name: str) -> bool:
     """Make the record's pointer to ``generic`` one to ``name``; whether there was such a pointer.
 
     Read is through the system, which says no where memory is not the process's own.
@@ -409,7 +421,7 @@ def rename(address: int, name: str) -> bool:
     library.strdup.restype = ctypes.c_void_p
     with Path("/proc/self/mem").open("rb", buffering=0) as memory:
         memory.seek(address)
-        record = memory.read(RECORD_BYTES)
+        record = memory.read(DEVICE_RECORD_BYTES)
         for offset in range(0, len(record) - 7, 8):
             (pointer,) = struct.unpack_from("=Q", record, offset)
             try:
@@ -426,8 +438,8 @@ def rename(address: int, name: str) -> bool:
 
 def processor_flags() -> frozenset[str]:
     """Return what the system says that an x86 processor can do; nothing where it does not say."""
-    if not CPU_INFO.exists():
+    if not CPU_INFO_FILE.exists():
         return frozenset()
-    lines = CPU_INFO.read_text(encoding="ascii", errors="replace").splitlines()
+    lines = CPU_INFO_FILE.read_text(encoding="ascii", errors="replace").splitlines()
     flags_line = next((line for line in lines if line.startswith("flags")), "")
     return frozenset(flags_line.partition(":")[2].split())

@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import retried_singly, unexpected
+from squeezefilm.errors import apply_with_bisection, unexpected_status
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.reynolds.grid import Grid, iteration_flops
+from squeezefilm.reynolds.grid import Grid, krylov_iteration_flops
 from squeezefilm.reynolds.periodic.resolution import first_grids
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.reynolds.solver import known_solutions
-from squeezefilm.reynolds.terms import Terms, absent_terms, label_of
+from squeezefilm.reynolds.terms import Terms, absent_terms, terms_label
 from squeezefilm.solution import Solution
 
-SHOWN = ("method", "status", "domain", "terms", "nx", "ny", "nt")
+SHOWN_SOLUTION_COLUMNS = ("method", "status", "domain", "terms", "nx", "ny", "nt")
 
 
 def dry_run(
@@ -36,22 +36,25 @@ def dry_run(
         a factor of about two.
     """
 
-    def rows(some: Scenes) -> list[dict[str, Any]]:
-        return _rows(some, tolerance=tolerance, method=method)
+    def dry_run_rows(some: Scenes) -> list[dict[str, Any]]:
+        return _dry_run_rows(some, tolerance=tolerance, method=method)
 
-    def failed(error: Exception) -> dict[str, Any]:
-        none = Solution(method=method, status=unexpected(error))
-        return _row(none, terms="", absent=(), expected_error=np.nan)
+    def row_of_error(error: Exception) -> dict[str, Any]:
+        none = Solution(method=method, status=unexpected_status(error))
+        return _dry_run_row(none, terms="", absent=(), expected_error=np.nan)
 
-    return retried_singly(rows, Scenes.of(scenes), failed=failed)
+    return apply_with_bisection(dry_run_rows, Scenes.of(scenes), failed=row_of_error)
 
 
-def _row(solution: Solution, *, terms: str, **more: Any) -> dict[str, Any]:
-    shown = {name: terms if name == "terms" else getattr(solution, name) for name in SHOWN}
+def _dry_run_row(solution: Solution, *, terms: str, **more: Any) -> dict[str, Any]:
+    shown = {
+        name: terms if name == "terms" else getattr(solution, name)
+        for name in SHOWN_SOLUTION_COLUMNS
+    }
     return shown | more | {"expected_mflop": solution.work / 1e6}
 
 
-def _rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, Any]]:
+def _dry_run_rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, Any]]:
     plan = plan_of(scenes)
     solutions, found = known_solutions(plan, tolerance=tolerance, method=method)
     expected_error = np.full(len(scenes), np.nan)
@@ -66,10 +69,10 @@ def _rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, An
         solutions.work[rows] = _expected_flops(
             scenes.closure[rows], terms, grids, tolerance=tolerance
         )
-    labels = [label_of(terms) for terms in plan.term_sets]
+    labels = [terms_label(terms) for terms in plan.term_sets]
     absent = [absent_terms(terms) for terms in plan.term_sets]
     return [
-        _row(
+        _dry_run_row(
             solution,
             terms=labels[kind] if solution.domain else "",
             absent=absent[kind] if solution.domain else (),
@@ -96,6 +99,9 @@ def _expected_flops(
     if len(grids) < 3:  # the first of them goes from rest to the tolerance
         iterations = [from_rest + refining, 0.75 * refining][: len(grids)]
     return sum(
-        (n * iteration_flops(grid, terms) for n, grid in zip(iterations, grids, strict=True)),
+        (
+            n * krylov_iteration_flops(grid, terms)
+            for n, grid in zip(iterations, grids, strict=True)
+        ),
         np.zeros(len(epsilon)),
     )

@@ -7,18 +7,18 @@ from math import isfinite
 import numpy as np
 
 from squeezefilm.film.scene import Scenes
-from squeezefilm.reynolds.terms import Terms, with_velocities
+from squeezefilm.reynolds.terms import Terms, have_velocities
 
 # The moments of a change may be small by chance where its size is not. So this share of the size
-# counts too, at tolerances of LOOSE_FROM and more, whose grids are coarse. Without it two films
-# (judged_films.csv in tests/numerics/data) are off by up to four times their estimate, with 2 %
-# two others by 1.1 times.
-SIZE_FRACTION, LOOSE_FROM = 3e-2, 2e-5
+# counts too, at tolerances of LOOSE_TOLERANCE and more, whose grids are coarse. Without it two
+# films (judged_films.csv in tests/numerics/data) are off by up to four times their estimate, with 2
+# % two others by 1.1 times.
+SIZE_FRACTION, LOOSE_TOLERANCE = 3e-2, 2e-5
 # Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
-# by unequal steps: RATIO_FACTOR times that is taken, enough for first order. LARGEST_RATIO limits
-# it to thirty times the change, UNKNOWN_RATIO to no less than twice, as without two changes.
+# by unequal steps: RATIO_FACTOR times that is taken, enough for first order. MAX_CONVERGENCE_RATIO
+# limits it to thirty times the change, UNKNOWN_RATIO to no less than twice, as without two changes.
 RATIO_FACTOR = 3.0
-LARGEST_RATIO = 10 / 11
+MAX_CONVERGENCE_RATIO = 10 / 11
 UNKNOWN_RATIO = 0.4
 # While layers at the edge are thinner than nodes lie apart errors go up and down, and a change is
 # small where one turns: the least fall of films with thin layers.
@@ -28,13 +28,13 @@ THIN_LAYER_RATIO = 0.5
 # at all tolerances. Errors beyond what iterations left were up to three quarters of the size.
 VELOCITY_SIZE_FRACTION = 0.4
 # Round-off: error of the mean gauge pressure relative to the largest gauge pressure.
-ROUND_OFF = 1e-14
+RELATIVE_ROUND_OFF = 1e-14
 # How many times that, over the narrowest gap, an error may be whatever the force: what the
 # difference of two grids and an iteration stopped by rounding leave.
 ROUND_OFF_FACTOR = 4
 
 
-def estimate(
+def estimate_errors(
     results: np.ndarray,
     before: np.ndarray,
     *,
@@ -51,12 +51,12 @@ def estimate(
     over the film: no chance makes the size small.
 
     Args:
-        results: what is said of the films on the last grid (``launch.RESULT_ROW``); the first guess
-            there is the state on the one before.
+        results: what is said of the films on the last grid (``launch.RESULT_DTYPE``); the first
+            guess there is the state on the one before.
         before: each film's change to the grid before, (2, n); NaN where there is none.
         terms: those of the films.
         of_profile: by which what is missed of the profile falls; 0 for a smooth one.
-        least: factor by which changes fall at least (``resolution.least_ratio``).
+        least: factor by which changes fall at least (``resolution.min_convergence_ratio``).
 
     Returns:
         The errors; how large they may be; the changes, (2, n).
@@ -64,8 +64,8 @@ def estimate(
     # A mass error w moves the pressure by about n w/H.
     residual_error = scenes.gas.polytropic_exponent / scenes.narrowest * results["residual"]
     size, size_before = results["size"], before[1]
-    velocities = with_velocities(terms)
-    size_fraction = SIZE_FRACTION if tolerance >= LOOSE_FROM else 0.0
+    velocities = have_velocities(terms)
+    size_fraction = SIZE_FRACTION if tolerance >= LOOSE_TOLERANCE else 0.0
     if velocities:
         size_fraction = VELOCITY_SIZE_FRACTION
     moment = np.maximum(results["moment"], size_fraction * size)
@@ -73,7 +73,9 @@ def estimate(
     if known.any() and not velocities:
         # That of the moments, but no less than their sizes': chance may make moments small, or a
         # layer at the edge that the grids do not resolve yet.
-        ratios = np.maximum(_ratio(moment, before[0]), _ratio(size, size_before))
+        ratios = np.maximum(
+            _convergence_ratio(moment, before[0]), _convergence_ratio(size, size_before)
+        )
         ratio = np.where(known, np.maximum(ratios, UNKNOWN_RATIO), UNKNOWN_RATIO)
         # Moments fall no more than the size does: what goes beyond is chance. Without, films (ε
         # 0.02–0.3, σ 5e4–3e5) were off by 1.5 to 6 times their estimate.
@@ -88,14 +90,14 @@ def estimate(
     # along an axis 4 were off by up to 1.35 times their estimate.
     last_change = np.where(of_profile > 0, change[1], change[0])
     ratio = np.maximum(np.maximum(ratio, of_profile), least)
-    round_off = ROUND_OFF * results["largest"]
+    round_off = RELATIVE_ROUND_OFF * results["largest"]
     error = error_per_change(ratio) * last_change + residual_error + round_off
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
     allowed = tolerance * np.abs(results["mean"]) + ROUND_OFF_FACTOR * round_off / scenes.narrowest
     return error, allowed, change
 
 
-def _ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:
+def _convergence_ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:
     """Convergence ratios; infinite where there was no change before, and is one now."""
     none = np.where(change > 0, np.inf, 0.0)
     return np.asarray(np.divide(change, before, out=none, where=before > 0))
@@ -103,11 +105,11 @@ def _ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:
 
 def error_per_change(ratio: np.ndarray | float) -> np.ndarray:
     """Return the remaining error in units of the last change, for a convergence ratio."""
-    q = np.minimum(ratio, LARGEST_RATIO)
+    q = np.minimum(ratio, MAX_CONVERGENCE_RATIO)
     return np.asarray(RATIO_FACTOR * q / (1 - q))
 
 
-def error_text(error: float, *, allowed: float, force: float) -> str:
+def too_large_error_text(error: float, *, allowed: float, force: float) -> str:
     """An error that is too large, in the terms of the tolerance: as a share of the force."""
     if force == 0 or not isfinite(error):
         return "the error is not known"

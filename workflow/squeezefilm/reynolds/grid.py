@@ -15,13 +15,13 @@ from squeezefilm.reynolds.terms import Terms, preconditioner_count
 
 # Nodes across the pad beyond which none is tried: there rounding begins to show at 1e-6, and a
 # scene takes minutes.
-MOST_NODES = 320
+MAX_NODES_ACROSS = 320
 # The force can agree between two grids by chance. The lowest moments of the mean pressure hardly
 # ever all do: twice their largest change covered the finer grid's true error in 99.8 % of 414
 # pairs of grids, drawn over ε 0.01–0.95 and σ 0.1–3e5. The kernel takes three.
-MOMENTS = 3
+MOMENT_COUNT = 3
 # Names of the matrices that interpolate the pressure to a finer grid.
-INTERPOLATION_NAMES = ("carry_t", "carry_x", "carry_y")
+INTERPOLATION_MATRIX_NAMES = ("carry_t", "carry_x", "carry_y")
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,9 @@ class Grid(HashedOnce):
             return radius(self.nx)
         return axis(
             self.nx,
-            self.outline.folds(self.fold_x, self.fold_y)[0] if self.outline else self.fold_x,
+            self.outline.symmetries_in_nu(self.fold_x, self.fold_y)[0]
+            if self.outline
+            else self.fold_x,
         )
 
     @cached_property
@@ -58,7 +60,7 @@ class Grid(HashedOnce):
             return angle_axis(self.ny, True, True)
         if self.outline is None:
             return axis(self.ny, self.fold_y)
-        return angle_axis(self.ny, *self.outline.folds(self.fold_x, self.fold_y))
+        return angle_axis(self.ny, *self.outline.symmetries_in_nu(self.fold_x, self.fold_y))
 
     @property
     def radial(self) -> bool:
@@ -89,7 +91,11 @@ class Grid(HashedOnce):
     @property
     def mean_area(self) -> float:
         """One over the mean of ``area`` over the pad."""
-        return self.outline.typical_stretch / self.outline.mean_stretch if self.outline else 1.0
+        return (
+            self.outline.mean_edge_area_ratio / self.outline.mean_area_ratio
+            if self.outline
+            else 1.0
+        )
 
     def area(self, across: np.ndarray) -> np.ndarray | float:
         """Area of an outline behind places along x and the unknowns along y, over the typical.
@@ -98,19 +104,23 @@ class Grid(HashedOnce):
         """
         if self.outline is None:
             return 1.0
-        return self.outline.stretch(*self._mu_nu(across)) / self.outline.typical_stretch
+        return self.outline.area_ratio(*self._mu_nu(across)) / self.outline.mean_edge_area_ratio
 
     def map_slope(self, across: np.ndarray) -> np.ndarray | float:
         """z′ of an outline there, by the same lengths; 1 under a rectangle."""
         if self.outline is None:
             return 1.0
-        return self.outline.map_slope(*self._mu_nu(across)) / sqrt(self.outline.typical_stretch)
+        return self.outline.map_slope(*self._mu_nu(across)) / sqrt(
+            self.outline.mean_edge_area_ratio
+        )
 
     def map_log_slope(self, across: np.ndarray) -> np.ndarray | float:
         """z″/z′ of an outline there, by the same lengths; 0 under a rectangle."""
         if self.outline is None:
             return 0.0
-        return self.outline.map_log_slope(*self._mu_nu(across)) / sqrt(self.outline.typical_stretch)
+        return self.outline.map_log_slope(*self._mu_nu(across)) / sqrt(
+            self.outline.mean_edge_area_ratio
+        )
 
     def _mu_nu(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return μ and ν there."""
@@ -125,7 +135,7 @@ class Grid(HashedOnce):
         """
         if self.outline is None:
             return 1.0, aspect
-        unit = sqrt(self.outline.typical_stretch)
+        unit = sqrt(self.outline.mean_edge_area_ratio)
         return 2 * self.outline.edge_mu * unit, unit
 
     def nodes_per_length(self, aspect: float) -> tuple[float, float]:
@@ -166,18 +176,18 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
     length_x, length_y = grid.lengths(aspect)
     values_x, values_y = values_x / length_x**2, values_y / length_y**2
     parts = {
-        "laplace_x": grid.x.second_parts / length_x**2,
+        "laplace_x": grid.x.second_derivative_parts / length_x**2,
         "modes_x": vectors_x,
         "to_modes_x": inverse_x,
-        "laplace_y": grid.y.second_parts / length_y**2,
+        "laplace_y": grid.y.second_derivative_parts / length_y**2,
         "modes_y": vectors_y,
         "to_modes_y": inverse_y,
         "time_derivative": grid.t.derivative.T,
         "eigenvalues": np.add.outer(values_x, values_y),
         "eigenvalues_y": values_y,
         "weights": np.outer(grid.x.weights, grid.y.weights) * grid.density,
-        "moments_x": _moments(grid.x),
-        "moments_y": _moments(grid.y),
+        "moments_x": _moment_values(grid.x),
+        "moments_y": _moment_values(grid.y),
         "sine": np.sin(grid.t.nodes),
         "cosine": np.cos(grid.t.nodes),
     }
@@ -186,9 +196,9 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
     return parts
 
 
-def _moments(axis: Axis | AngleAxis) -> np.ndarray:
+def _moment_values(axis: Axis | AngleAxis) -> np.ndarray:
     """The moments without their weights, and the first, which is 1, once more: shape (n, 4)."""
-    cosines = axis.moments(MOMENTS) / axis.weights
+    cosines = axis.moments(MOMENT_COUNT) / axis.weights
     return np.stack([*cosines, cosines[0]], axis=1)
 
 
@@ -196,17 +206,19 @@ def _moments(axis: Axis | AngleAxis) -> np.ndarray:
 def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np.ndarray]:
     """Return the matrices that interpolate a state to a finer grid."""
     matrices = (coarse.t.at(fine.t.nodes).T, coarse.x.at(fine.x.nodes), coarse.y.at(fine.y.nodes))
-    parts = dict(zip(INTERPOLATION_NAMES, matrices, strict=True))
+    parts = dict(zip(INTERPOLATION_MATRIX_NAMES, matrices, strict=True))
     for term in terms:
         parts.update(term.carrying_matrices(coarse, fine))
     return parts
 
 
 @lru_cache(maxsize=4096)
-def iteration_flops(grid: Grid, terms: Terms = ()) -> float:
+def krylov_iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
-    in_space = 2 + max(preconditioner_count(terms), 1) + sum(term.SPACE_PRODUCTS for term in terms)
-    in_time = 2 + sum(term.TIME_PRODUCTS for term in terms)
+    in_space = (
+        2 + max(preconditioner_count(terms), 1) + sum(term.SPACE_MATRIX_PRODUCTS for term in terms)
+    )
+    in_time = 2 + sum(term.TIME_MATRIX_PRODUCTS for term in terms)
     # Along x and y half of a row where an axis is whole.
-    row = grid.nx // (1 + grid.x.in_halves) + grid.ny // (1 + grid.y.in_halves)
+    row = grid.nx // (1 + grid.x.in_even_odd_parts) + grid.ny // (1 + grid.y.in_even_odd_parts)
     return 2.0 * grid.count * (in_space * row + in_time * grid.nt)

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from squeezefilm.errors import InputError
-from squeezefilm.files import whole_file
+from squeezefilm.files import atomic_file
 
 # Compiled kernels of a job on a cluster are kept on its node, compiled once for all jobs there. The
 # drivers' caches lie in the home directory: on a cluster that is shared by nodes that may differ,
@@ -20,10 +20,10 @@ from squeezefilm.files import whole_file
 # nodes, a folder of the node's own disk.
 NODE_CACHE_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
 # A shared disk's clock may be another.
-CLOCKS_APART_S = 10.0
+MAX_CLOCK_DIFFERENCE_S = 10.0
 ELF_HEADER_BYTES = 64
 # Of a program's folder: its kernels, linked. And where programs are known by names of ours.
-LINKED, OWN_NAMES = "*/*/*.so", "squeezefilm"
+LINKED_KERNEL_PATTERN, PROGRAM_NAMES_FOLDER = "*/*/*.so", "squeezefilm"
 
 
 def kernel_cache() -> Path:
@@ -47,27 +47,32 @@ def check_kernel_cache() -> None:
         ) from None
 
 
-def known_as_sound(name: str) -> bool:
-    """Return whether a program that ``remember`` has named is whole in PoCL's cache, and linked."""
+def is_known_intact(name: str) -> bool:
+    """Return whether a program that ``record_cached_program`` has named is whole in PoCL's cache,
+    and linked."""
     try:
-        program = kernel_cache() / (kernel_cache() / OWN_NAMES / name).read_text("utf-8")
-        return any(program.glob(LINKED)) and _is_sound(program)
+        program = kernel_cache() / (kernel_cache() / PROGRAM_NAMES_FOLDER / name).read_text("utf-8")
+        return any(program.glob(LINKED_KERNEL_PATTERN)) and _is_intact_program(program)
     except OSError:
         return False
 
 
-def remember(name: str, *, since_s: float) -> None:
-    """Name the program that PoCL has used since then, where it is just one, for ``known_as_sound``.
+def record_cached_program(name: str, *, since_s: float) -> None:
+    """Name the program that PoCL has used since then, where it is just one, for
+    ``is_known_intact``.
 
     Looking for it among all programs of a large cache takes longer than it takes to load.
     """
-    used = list(_used(since_s=since_s))
+    used = list(_programs_used_since(since_s=since_s))
     if len(used) == 1:
-        with suppress(InputError), whole_file(kernel_cache() / OWN_NAMES / name) as path:
+        with (
+            suppress(InputError),
+            atomic_file(kernel_cache() / PROGRAM_NAMES_FOLDER / name) as path,
+        ):
             path.write_text(str(used[0].relative_to(kernel_cache())), "utf-8")
 
 
-def remove_damaged(*, since_s: float) -> bool:
+def remove_damaged_programs(*, since_s: float) -> bool:
     """Remove programs, of those that PoCL took from its cache, that are cut short.
 
     A full disk or a broken copy leaves such. PoCL takes code without its end for a program without
@@ -79,27 +84,33 @@ def remove_damaged(*, since_s: float) -> bool:
     Returns:
         Whether there were any: they are then to be built again.
     """
-    damaged = [each for each in _used(since_s=since_s - CLOCKS_APART_S) if not _is_sound(each)]
+    damaged = [
+        each
+        for each in _programs_used_since(since_s=since_s - MAX_CLOCK_DIFFERENCE_S)
+        if not _is_intact_program(each)
+    ]
     for program in damaged:
         shutil.rmtree(program, ignore_errors=True)
     return bool(damaged)
 
 
-def _used(*, since_s: float) -> Iterator[Path]:
+def _programs_used_since(*, since_s: float) -> Iterator[Path]:
     for accessed in kernel_cache().glob("*/*/last_accessed"):  # PoCL's mark of a use
         with suppress(OSError):  # another process removes it
             if accessed.stat().st_mtime >= since_s:
                 yield accessed.parent
 
 
-def _is_sound(program: Path) -> bool:
+def _is_intact_program(program: Path) -> bool:
     try:
-        return all(map(is_complete, [program / "program.bc", *program.glob(LINKED)]))
+        return all(
+            map(is_complete_binary, [program / "program.bc", *program.glob(LINKED_KERNEL_PATTERN)])
+        )
     except OSError:
         return True  # another process removes it
 
 
-def is_complete(path: Path) -> bool:
+def is_complete_binary(path: Path) -> bool:
     """Return whether a file of LLVM's code or a library (ELF) has the length that it states."""
     content = path.read_bytes()
     if content.startswith(b"\x7fELF") and len(content) > ELF_HEADER_BYTES:
@@ -122,7 +133,7 @@ def one_build_at_a_time() -> Iterator[None]:
 
     The lock goes with the process that holds it, however that ends.
     """
-    folder = _own_folder()
+    folder = _node_cache_folder()
     if folder is None:
         yield
         return
@@ -135,7 +146,7 @@ def one_build_at_a_time() -> Iterator[None]:
         yield
 
 
-def _own_folder() -> Path | None:
+def _node_cache_folder() -> Path | None:
     """The node's folder for this user; None where none is named, or it cannot be had.
 
     It must be the user's own, for what lies in it is run.

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.reynolds.terms import HOOKS, Terms
+from squeezefilm.reynolds.terms import KERNEL_HOOKS, Terms
 
 C_TYPES = {"float64": "double", "int64": "long"}
 # Index of an array that is absent; it stays below zero whatever is added to it.
@@ -26,9 +26,9 @@ def c_struct(name: str, row: np.dtype[Any]) -> str:
     return f"typedef struct {{ {' '.join(members)} }} {name};"
 
 
-def with_absent(numbers: np.ndarray, terms: Terms) -> np.ndarray:
+def with_absent_numbers(numbers: np.ndarray, terms: Terms) -> np.ndarray:
     """Return rows of numbers with all that a program's terms have; what a film lacks is 0."""
-    kind = _kind_in_program(numbers.dtype, terms)
+    kind = _row_type_in_program(numbers.dtype, terms)
     if kind == numbers.dtype:
         return numbers
     wide = np.zeros(len(numbers), dtype=kind)
@@ -42,19 +42,19 @@ def with_absent(numbers: np.ndarray, terms: Terms) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _kind_in_program(own: np.dtype[Any], terms: Terms) -> np.dtype[Any]:
+def _row_type_in_program(own: np.dtype[Any], terms: Terms) -> np.dtype[Any]:
     kinds = {name: own[name] for name in own.names or ()}
     for term in terms:
-        for name, count in term.NUMBERS.items():
+        for name, count in term.NUMBER_WIDTHS.items():
             kinds[name] = np.dtype((np.float64, (count,) if count else ()))
     return np.dtype(sorted(kinds.items()))
 
 
-def c_terms(terms: Terms) -> str:
+def c_hook_calls(terms: Terms) -> str:
     """Every hook of the equation as the calls of the terms that fill it."""
     lines = []
-    for hook, parameters in HOOKS.items():
-        calls = [f"{hook}_{term.NAME}{parameters};" for term in terms if hook in term.HOOKS]
+    for hook, parameters in KERNEL_HOOKS.items():
+        calls = [f"{hook}_{term.NAME}{parameters};" for term in terms if hook in term.KERNEL_HOOKS]
         lines.append(f"#define TERMS_{hook.upper()}{parameters} {' '.join(calls)}")
     return "\n".join(lines)
 
@@ -123,7 +123,7 @@ def rows_of(
         tolerance: of each scene on each stage, (scenes, stages).
     """
     names, whole = zip(*columns, strict=True)
-    kind, column_indices = _row_type(names, numbers.dtype)
+    kind, column_indices = _kernel_row_type(names, numbers.dtype)
     table = np.empty((*tolerance.shape, kind.itemsize // 8), dtype=np.int64)
     for indices, values in zip(column_indices, whole, strict=True):
         table[:, :, indices] = values
@@ -136,7 +136,7 @@ def rows_of(
 
 
 @lru_cache(maxsize=64)
-def _row_type(
+def _kernel_row_type(
     whole: tuple[tuple[str, ...], ...], numbers: np.dtype[Any]
 ) -> tuple[np.dtype[Any], list[list[int]]]:
     """Return the row type, and the columns of each of ``whole`` among its plain numbers."""

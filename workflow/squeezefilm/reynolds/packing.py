@@ -12,11 +12,11 @@ import numpy as np
 from squeezefilm.film.scene import PadPositions, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import Packed, packed
-from squeezefilm.reynolds.terms import Terms, distinct_terms, numbers_of
+from squeezefilm.reynolds.terms import Terms, distinct_terms, equation_numbers
 
 # Numbers of what is kept of the profile at some positions, where it is asked for again for many
 # gaps and amplitudes; more are found anew.
-MOST_CACHED = 100_000
+MAX_CACHED_VALUES = 100_000
 
 
 def gap_parts(scenes: Scenes, grid: Grid) -> np.ndarray:
@@ -26,11 +26,11 @@ def gap_parts(scenes: Scenes, grid: Grid) -> np.ndarray:
     metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends and mirror images
     included.
     """
-    parts, which = scenes.at_places(lambda places: _gap_parts(places, grid))
+    parts, which = scenes.find_at_positions(lambda places: _gap_parts_at_positions(places, grid))
     return np.concatenate(parts)[which]
 
 
-def terms_of_all(scenes: Scenes) -> Terms:
+def common_terms(scenes: Scenes) -> Terms:
     """The terms that scenes have, all of them the same.
 
     Raises:
@@ -42,11 +42,11 @@ def terms_of_all(scenes: Scenes) -> Terms:
     return terms[0]
 
 
-def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
+def equation_numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
     """The numbers of the scenes' equation under their names, a row for each."""
-    numbers = dict(sorted(numbers_of(scenes, terms).items()))
+    numbers = dict(sorted(equation_numbers(scenes, terms).items()))
     widths = (len(value) if isinstance(value, tuple) else 0 for value in numbers.values())
-    kind = _kind_of_numbers(tuple(zip(numbers, widths, strict=True)))
+    kind = _numbers_row_type(tuple(zip(numbers, widths, strict=True)))
     each = [value if isinstance(value, tuple) else (value,) for value in numbers.values()]
     table = np.empty((len(scenes), kind.itemsize // 8))
     for column, values in enumerate(chain.from_iterable(each)):
@@ -55,12 +55,12 @@ def numbers_table(scenes: Scenes, terms: Terms) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def _kind_of_numbers(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
+def _numbers_row_type(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
     """Row type of the numbers: a scalar for width 0, an array of the width otherwise."""
     return np.dtype([(name, np.float64, (width,) if width else ()) for name, width in widths])
 
 
-def _gap_parts(places: PadPositions, grid: Grid) -> np.ndarray:
+def _gap_parts_at_positions(places: PadPositions, grid: Grid) -> np.ndarray:
     """The gap's parts at each position, as of ``gap_parts``."""
     x, y = grid.positions
     values, gap = places.parts(x, y), places.pad_profile.pad.gap
@@ -71,7 +71,7 @@ def _gap_parts(places: PadPositions, grid: Grid) -> np.ndarray:
     return values.swapaxes(0, 1).reshape(len(places.x_m), len(values), *nodes)
 
 
-def profiles_at(
+def packed_profiles(
     scenes: Scenes, grids: Sequence[Grid], terms: Terms
 ) -> tuple[Packed, np.ndarray, np.ndarray]:
     """The profile under the pad as kernels read it, once for each position.
@@ -82,24 +82,24 @@ def profiles_at(
     """
     in_space = tuple([grid.in_space for grid in grids])
 
-    def find(places: PadPositions) -> tuple[Packed, np.ndarray]:
-        if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MOST_CACHED:
-            return _profiles(places, in_space, terms)
-        return places.cached(_profiles, in_space, terms)
+    def find_profiles(places: PadPositions) -> tuple[Packed, np.ndarray]:
+        if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MAX_CACHED_VALUES:
+            return _packed_profiles_at_positions(places, in_space, terms)
+        return places.cached(_packed_profiles_at_positions, in_space, terms)
 
-    found, which = scenes.at_places(find)
+    found, which = scenes.find_at_positions(find_profiles)
     fields = Packed.of_rows([each for each, _ in found])
     return fields, which, np.concatenate([means for _, means in found])[which]
 
 
-def _profiles(
+def _packed_profiles_at_positions(
     places: PadPositions, grids: tuple[Grid, ...], terms: Terms
 ) -> tuple[Packed, np.ndarray]:
-    parts, pad = [_gap_parts(places, grid) for grid in grids], places.pad_profile.pad
+    parts, pad = [_gap_parts_at_positions(places, grid) for grid in grids], places.pad_profile.pad
     aspect = pad.length_y_m / pad.length_x_m
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
-    return packed(fields), mean_parts(parts[-1], grids[-1])
+    return packed(fields), mean_gap_parts(parts[-1], grids[-1])
 
 
 def profile_fields(
@@ -127,7 +127,7 @@ def profile_fields(
     return fields
 
 
-def mean_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
+def mean_gap_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
     """The gap's parts averaged over the pad, shape (places, parts).
 
     The rule neglects the ends; what it gives them is small, and the mean is no result.
@@ -137,7 +137,7 @@ def mean_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
     return np.asarray(np.tensordot(inner, weights / weights.sum(), axes=2))
 
 
-def mean_motion(numbers: np.ndarray, means: np.ndarray) -> np.ndarray:
+def mean_gap_motion(numbers: np.ndarray, means: np.ndarray) -> np.ndarray:
     """Return the motion of the mean gap over its value at rest, (2, n).
 
     The factors of sin T and of cos T.

@@ -9,11 +9,19 @@ from typing import Any, TypeVar
 import numpy as np
 
 from squeezefilm.film.outline import POLAR_COORDINATES
-from squeezefilm.film.scene import MOST_CACHED, Film, Rows, Scene, Scenes, cached, rows_by_value
+from squeezefilm.film.scene import (
+    MAX_CACHED_POSITIONS,
+    Film,
+    Rows,
+    Scene,
+    Scenes,
+    cached_by_films,
+    rows_by_value,
+)
 from squeezefilm.reynolds.profile_sampling import SampledProfiles, Samples, joined_samples
 from squeezefilm.reynolds.terms import Terms, absent_terms, distinct_terms, is_radial
 
-DOMAINS = np.array(["whole", "half in y", "half in x", "quarter", "radius"], dtype=object)
+DOMAIN_NAMES = np.array(["whole", "half in y", "half in x", "quarter", "radius"], dtype=object)
 """Parts of the pad that are solved: the film is even about neither axis' middle, y's, x's, both; or
 it has no angle."""
 Result = TypeVar("Result")
@@ -26,7 +34,7 @@ class Plan:
     Attributes:
         kinds: the terms that scenes have beside squeezing; ``term_set`` is each scene's.
         fold_x, fold_y: the film is even about the pad's middle along x, y: half is enough.
-        domain: the part of the pad that is solved, of DOMAINS.
+        domain: the part of the pad that is solved, of DOMAIN_NAMES.
         absent_terms: names of the terms that the equation does not have, joined by ``; ``.
         profiles: of each film: which scenes have it, the profile under the pad at its
             positions, and each scene's position.
@@ -47,7 +55,7 @@ class Plan:
         """The terms of scenes that all have the same."""
         return self.term_sets[self.term_set[0]]
 
-    def reasons(self, why: Callable[[Scene, Terms], str]) -> dict[int, str]:
+    def reasons_by_row(self, why: Callable[[Scene, Terms], str]) -> dict[int, str]:
         """Reasons that follow from a scene's film and terms, by row; none where they are empty."""
         found: dict[int, str] = {}
         for rows in rows_by_value(self.scenes.film_index, self.term_set):
@@ -61,7 +69,7 @@ class Plan:
             self._cache[name, *arguments] = of(*arguments)
         return self._cache[name, *arguments]
 
-    def samples(self, fraction: float) -> Samples:
+    def profile_samples(self, fraction: float) -> Samples:
         """Return the samples of grids whose error is at most a fraction of the profiles, (n,)."""
         return self.cached("samples", self._sampled, fraction)
 
@@ -75,10 +83,10 @@ def plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> Plan:
     """Return what scenes need by their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
     # The terms of a gap that is shaped at rest go by its size.
-    if not scenes.flat or len(scenes) > MOST_CACHED:
+    if not scenes.flat or len(scenes) > MAX_CACHED_POSITIONS:
         return _plan_of(scenes)
     columns = (scenes.film_index, scenes.x_m, scenes.y_m)
-    plan = cached(_plan_at, scenes.films, *(each.tobytes() for each in columns))
+    plan = cached_by_films(_plan_at, scenes.films, *(each.tobytes() for each in columns))
     return replace(plan, scenes=scenes)
 
 
@@ -108,7 +116,7 @@ def _plan_of(scenes: Scenes) -> Plan:
             profiles.append((own, sampled, at))
     fold_x &= np.array(["x" not in axes for axes in breaks])[term_set]
     fold_y &= np.array(["y" not in axes for axes in breaks])[term_set]
-    domain = DOMAINS[np.where(radial, 4, 2 * fold_x + fold_y)]
+    domain = DOMAIN_NAMES[np.where(radial, 4, 2 * fold_x + fold_y)]
     names = ["; ".join(each.name for each in absent_terms(terms)) for terms in term_sets]
     absent = np.array(names, dtype=object)[term_set]
     return Plan(scenes, term_sets, term_set, fold_x, fold_y, domain, absent, profiles)

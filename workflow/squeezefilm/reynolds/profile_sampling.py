@@ -15,19 +15,19 @@ from functools import lru_cache
 import numpy as np
 
 from squeezefilm.film.outline import DiscCoordinates, Outline
-from squeezefilm.film.profiles import landmarks_of
+from squeezefilm.film.profiles import narrow_feature_points
 from squeezefilm.film.scene import PadPositions
 from squeezefilm.film.symmetry import ROUNDING_TOLERANCE
-from squeezefilm.reynolds.grid import MOST_NODES
+from squeezefilm.reynolds.grid import MAX_NODES_ACROSS
 from squeezefilm.reynolds.spectral import AngleAxis, Axis, angle_axis, axis, period
 
-SAMPLED_NODE_COUNTS = (24, 48, 96, 192, MOST_NODES)
+SAMPLED_NODE_COUNTS = (24, 48, 96, 192, MAX_NODES_ACROSS)
 # Points at which the first interpolant is checked, and the others, which are tried where it fails.
 FIRST_CHECK_POINTS, LATER_CHECK_POINTS = 100, 1000
 # Numbers of samples that are worked on at a time: more would fall out of the caches.
-POINTS_AT_ONCE = 2**17
+SAMPLES_PER_BATCH = 2**17
 
-Coordinates = Outline | DiscCoordinates | None
+PadCoordinates = Outline | DiscCoordinates | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,15 +35,16 @@ class Samples:
     """Resolution of profiles by Chebyshev grids, relative to the largest value under the pad.
 
     Attributes:
-        missed: largest difference of interpolant and profile at points that are no nodes, (n,).
-        worst: where, in [0, 1] across the pad: (n, 2).
+        interpolation_error: largest difference of interpolant and profile at points that are no
+            nodes, (n,).
+        largest_error: where, in [0, 1] across the pad: (n, 2).
         curvature: largest |∂²s/∂X²|, |∂²s/∂Y²| of the interpolant, lengths in units of the pad's
             sides: (n, 2).
         tail: what an interpolant with k nodes along x, y misses of this one: (n, 2, most k + 1).
     """
 
-    missed: np.ndarray
-    worst: np.ndarray
+    interpolation_error: np.ndarray
+    largest_error: np.ndarray
     curvature: np.ndarray
     tail: np.ndarray
 
@@ -54,7 +55,9 @@ class Samples:
         """Nodes along x and y that miss no more than a share, (n, 2)."""
         return np.argmax(self.tail <= fraction, axis=2)
 
-    def missed_by(self, nodes: tuple[int, int], rows: np.ndarray | slice) -> np.ndarray:
+    def interpolation_error_with(
+        self, nodes: tuple[int, int], rows: np.ndarray | slice
+    ) -> np.ndarray:
         """Return the errors of interpolants with so many nodes along x, y, (n, 2)."""
         most = self.tail.shape[2] - 1
         return np.array([self.tail[rows, k, min(n + 2, most)] for k, n in enumerate(nodes)]).T
@@ -68,7 +71,7 @@ class SampledProfiles:
         even_x, even_y: whether all of it is even about the pad's middle along x, y: (positions,).
     """
 
-    def __init__(self, places: PadPositions, coordinates: Coordinates) -> None:
+    def __init__(self, places: PadPositions, coordinates: PadCoordinates) -> None:
         count = len(places.x_m)
         self.places, self.coordinates = places, coordinates
         self.even_x, self.even_y = np.empty((2, count), dtype=bool)
@@ -89,7 +92,9 @@ class SampledProfiles:
                 samples = self._samples[level]
                 assert samples is not None
                 found = samples[self._row[level, rows]]
-                enough = (found.missed <= fraction) | (level == len(SAMPLED_NODE_COUNTS) - 1)
+                enough = (found.interpolation_error <= fraction) | (
+                    level == len(SAMPLED_NODE_COUNTS) - 1
+                )
                 parts.append(found[enough])
                 which.append(rows[enough])
                 rows = rows[~enough]
@@ -99,11 +104,11 @@ class SampledProfiles:
             self._at[fraction] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
         return self._at[fraction]
 
-    def feature_m(self) -> float:
+    def narrowest_feature_m(self) -> float:
         """Width in metres, at half height, of the profile's least resolved feature."""
         first, place, pad = self._samples[0], self.places, self.places.pad_profile.pad
         assert first is not None
-        x, y = first.worst[0]
+        x, y = first.largest_error[0]
         angle = np.pi / 4 * np.arange(8)
         way_m = pad.length_x_m * np.geomspace(1e-6, 1, 300)
         values = place.parts(
@@ -112,15 +117,15 @@ class SampledProfiles:
         )
         here = place.parts(np.array([x]), np.array([y]))
         changed = np.abs(values - here).max(axis=(0, 1)).reshape(300, 8)
-        far = (changed >= first.missed[0] * self._largest[0] / 2).any(axis=1)
+        far = (changed >= first.interpolation_error[0] * self._largest[0] / 2).any(axis=1)
         return float(2 * way_m[np.argmax(far) if far.any() else -1])
 
     def _sample(self, level: int, rows: np.ndarray) -> None:
         """Sample a level at some positions, together as many as fit the caches."""
         if not rows.size:
             return
-        sampler = _sampler(SAMPLED_NODE_COUNTS[level], self.coordinates)
-        step = max(1, POINTS_AT_ONCE // (sampler.grid_x.size + sampler.x.size))
+        sampler = _sampling_matrices(SAMPLED_NODE_COUNTS[level], self.coordinates)
+        step = max(1, SAMPLES_PER_BATCH // (sampler.grid_x.size + sampler.x.size))
         alone = np.isin(rows, list(self._landmarks))
         plain = rows[~alone]
         batches = [plain[start : start + step] for start in range(0, len(plain), step)]
@@ -129,8 +134,10 @@ class SampledProfiles:
         parts = [known] if known else []
         for some in batches:
             landmarks = self._landmarks.get(int(some[0]))
-            samples, s, between = _sampled(self.places.subset(some), sampler, landmarks)
-            self._row[level, some] = sum(len(each.missed) for each in parts) + np.arange(len(some))
+            samples, s, between = _sample_profiles(self.places.subset(some), sampler, landmarks)
+            self._row[level, some] = sum(
+                len(each.interpolation_error) for each in parts
+            ) + np.arange(len(some))
             parts.append(samples)
             if level == 0:
                 self._find_symmetries(some, samples, s, between)
@@ -140,10 +147,12 @@ class SampledProfiles:
         self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray
     ) -> None:
         """Find symmetries from the values of the first level, at the nodes and between them."""
-        self._largest[rows] = _largest(s, between)
+        self._largest[rows] = _largest_magnitude(s, between)
         same = ROUNDING_TOLERANCE * self._largest[rows]
         # Else what the nodes show holds between them.
-        look_closer = (first.missed > ROUNDING_TOLERANCE) | (self.coordinates is not None)
+        look_closer = (first.interpolation_error > ROUNDING_TOLERANCE) | (
+            self.coordinates is not None
+        )
         for even, axis_ in ((self.even_x, 2), (self.even_y, 3)):
             even[rows] = True
             if self.coordinates is None:
@@ -151,7 +160,7 @@ class SampledProfiles:
             closer = look_closer & even[rows]
             if closer.any():
                 some = self.places.subset(rows[closer])
-                far = _mirrored(some, self.coordinates, along_x=axis_ == 2)
+                far = _mirror_difference(some, self.coordinates, along_x=axis_ == 2)
                 even[rows[closer]] = far <= same[closer]
 
 
@@ -164,26 +173,30 @@ def joined_samples(parts: Sequence[Samples]) -> Samples:
     tails = [np.pad(each.tail, beyond) for each, beyond in zip(parts, more, strict=True)]
     missed, worst, curvature = (
         np.concatenate([getattr(each, name) for each in parts])
-        for name in ("missed", "worst", "curvature")
+        for name in ("interpolation_error", "largest_error", "curvature")
     )
     return Samples(missed, worst, curvature, np.concatenate(tails))
 
 
-def _largest(s: np.ndarray, between: np.ndarray) -> np.ndarray:
+def _largest_magnitude(s: np.ndarray, between: np.ndarray) -> np.ndarray:
     """Largest magnitude on the nodes and between them, (positions,)."""
     return np.maximum(np.abs(s).max(axis=(0, 2, 3)), np.abs(between).max(axis=(0, 2)))
 
 
-def _mirrored(places: PadPositions, coordinates: Coordinates, *, along_x: bool) -> np.ndarray:
+def _mirror_difference(
+    places: PadPositions, coordinates: PadCoordinates, *, along_x: bool
+) -> np.ndarray:
     """Largest difference to the mirror image, between the nodes, (positions,)."""
-    sampler = _sampler(SAMPLED_NODE_COUNTS[1], coordinates)
+    sampler = _sampling_matrices(SAMPLED_NODE_COUNTS[1], coordinates)
     x, y = sampler.x, sampler.y
     mirrored = (1 - x, y) if along_x else (x, 1 - y)
     return np.abs(places.parts(*mirrored) - places.parts(x, y)).max(axis=(0, 2))
 
 
-def _sampled(
-    places: PadPositions, sampler: _Sampler, landmarks: tuple[np.ndarray, np.ndarray] | None
+def _sample_profiles(
+    places: PadPositions,
+    sampler: _SamplingMatrices,
+    landmarks: tuple[np.ndarray, np.ndarray] | None,
 ) -> tuple[Samples, np.ndarray, np.ndarray]:
     """Samples of a profile, its parts on a grid's nodes, ends included, and between them.
 
@@ -217,30 +230,30 @@ def _sampled(
             for second in (sampler.twice @ s, s @ sampler.twice_y.T)
         ]
     worst = np.argmax(missed, axis=1)
-    tails = [_tail(coefficients.sum(axis=2)), _tail(coefficients.sum(axis=1))]
+    tails = [_tail_sums(coefficients.sum(axis=2)), _tail_sums(coefficients.sum(axis=1))]
     samples = Samples(
-        missed=missed[np.arange(len(worst)), worst],
-        worst=np.stack([x[worst], y[worst]], axis=1),
+        interpolation_error=missed[np.arange(len(worst)), worst],
+        largest_error=np.stack([x[worst], y[worst]], axis=1),
         curvature=np.stack(curvature, axis=1),
         tail=np.stack(tails, axis=1),
     )
     return samples, s, between
 
 
-def _between(count: int) -> tuple[np.ndarray, np.ndarray]:
+def _points_between_nodes(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Points in [0, 1]² that no two mirror each other: Roberts' sequence of the plastic number."""
     index = np.arange(1, 1 + count)
     plastic = 1.32471795724474602596
     return (0.5 + index / plastic) % 1, (0.5 + index / plastic**2) % 1
 
 
-def _tail(coefficients: np.ndarray) -> np.ndarray:
+def _tail_sums(coefficients: np.ndarray) -> np.ndarray:
     """Sums of coefficients (n, k) from each on, up to all of them, where it is zero: (n, k + 1)."""
     sums = np.cumsum(coefficients[:, ::-1], axis=1)[:, ::-1]
     return np.concatenate([sums, np.zeros((len(sums), 1))], axis=1)
 
 
-class _Sampler:
+class _SamplingMatrices:
     """Matrices for sampling on a grid of so many points, whatever the profile.
 
     Attributes:
@@ -253,12 +266,12 @@ class _Sampler:
         twice, twice_y: second derivatives on the nodes.
     """
 
-    def __init__(self, points: int, coordinates: Coordinates) -> None:
+    def __init__(self, points: int, coordinates: PadCoordinates) -> None:
         self.coordinates = coordinates
         self.line = line = axis(points, False)
         across: Axis | AngleAxis = angle_axis(points + 2, False, False) if coordinates else line
         self.across, order = across, points + 1
-        u, v = _between(
+        u, v = _points_between_nodes(
             FIRST_CHECK_POINTS if points == SAMPLED_NODE_COUNTS[0] else LATER_CHECK_POINTS
         )
         ends = np.ones(order + 1)
@@ -281,12 +294,12 @@ class _Sampler:
         self.twice_y = across.derivative @ across.derivative
 
 
-_sampler = lru_cache(maxsize=8 * len(SAMPLED_NODE_COUNTS))(_Sampler)
+_sampling_matrices = lru_cache(maxsize=8 * len(SAMPLED_NODE_COUNTS))(_SamplingMatrices)
 
 
 def _landmarks_under(places: PadPositions) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """The profile's landmarks under the pad, in [0, 1] across it, where there are any."""
-    x_m, y_m = landmarks_of(places.pad_profile.profile)
+    x_m, y_m = narrow_feature_points(places.pad_profile.profile)
     if not len(x_m):
         return {}
     pad = places.pad_profile.pad

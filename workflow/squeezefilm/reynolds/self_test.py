@@ -27,47 +27,50 @@ from squeezefilm.reynolds.periodic.launch import grid_on_pad, solve_batch
 STORED_FORCES = Path(__file__).with_name("self_test.csv")
 FORCE_TOLERANCE = 1e-9
 ITERATION_TOLERANCE = 1e-11
-SINC_PROFILE = Sinc(wave_number_per_m=100.0)
-SQUARE_PAD = Pad(1e-2, 1e-2, 0.0)
-GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
+TEST_PROFILE = Sinc(wave_number_per_m=100.0)
+TEST_PAD = Pad(1e-2, 1e-2, 0.0)
+TEST_GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
 
 
-def films() -> dict[str, tuple[Scene, Grid]]:
+def test_films() -> dict[str, tuple[Scene, Grid]]:
     """Films that have every term among them, and the points of their grids (``grid_on_pad``)."""
     whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
     half = Grid(12, 8, 12, fold_x=False, fold_y=True)
     quarter = Grid(8, 8, 12, fold_x=True, fold_y=True)
-    disc = replace(SQUARE_PAD, shape="ellipse")
+    disc = replace(TEST_PAD, shape="ellipse")
     slender = Pad(1e-2, 6e-3, 20.0, shape="ellipse")
     return {
-        "squeeze": (_film(), quarter),
-        "off the centre": (_film(x_m=2e-3, y_m=1e-3), whole),
-        "sliding": (_film(pad=replace(SQUARE_PAD, speed_x_m_per_s=20.0)), half),
-        "slip": (_film(rarefaction="slip"), quarter),
+        "squeeze": (_test_film(), quarter),
+        "off the centre": (_test_film(x_m=2e-3, y_m=1e-3), whole),
+        "sliding": (_test_film(pad=replace(TEST_PAD, speed_x_m_per_s=20.0)), half),
+        "slip": (_test_film(rarefaction="slip"), quarter),
         "fukui-kaneko, polytropic": (
-            _film(rarefaction="fukui-kaneko", polytropic_exponent=1.4),
+            _test_film(rarefaction="fukui-kaneko", polytropic_exponent=1.4),
             quarter,
         ),
-        "inertia": (_film(inertia="included"), quarter),
+        "inertia": (_test_film(inertia="included"), quarter),
         "inertia and slip, off the centre": (
-            _film(inertia="included", rarefaction="slip", x_m=2e-3),
+            _test_film(inertia="included", rarefaction="slip", x_m=2e-3),
             half,
         ),
         "inertia, slip and thermal effects": (
-            _film(inertia="included", rarefaction="slip", thermal="included"),
+            _test_film(inertia="included", rarefaction="slip", thermal="included"),
             quarter,
         ),
-        "any gap": (_with_uneven_gap(_film(x_m=2e-3)), half),
-        "any gap, wide and narrow": (_with_uneven_gap(_film(hv_m=1.2e-6), tilt_x_m=6.4e-6), half),
-        "any gap, inertia": (_with_uneven_gap(_film(x_m=2e-3, inertia="included")), half),
-        "ellipse, sliding": (_film(pad=slender), half),
-        "disc, any gap": (_with_uneven_gap(_film(x_m=2e-3, pad=disc)), half),
+        "any gap": (_with_uneven_gap(_test_film(x_m=2e-3)), half),
+        "any gap, wide and narrow": (
+            _with_uneven_gap(_test_film(hv_m=1.2e-6), tilt_x_m=6.4e-6),
+            half,
+        ),
+        "any gap, inertia": (_with_uneven_gap(_test_film(x_m=2e-3, inertia="included")), half),
+        "ellipse, sliding": (_test_film(pad=slender), half),
+        "disc, any gap": (_with_uneven_gap(_test_film(x_m=2e-3, pad=disc)), half),
         "disc, inertia and thermal effects": (
-            _film(pad=disc, inertia="included", thermal="included"),
+            _test_film(pad=disc, inertia="included", thermal="included"),
             quarter,
         ),
         "disc off the centre, inertia and thermal effects": (
-            _film(pad=disc, x_m=2e-3, inertia="included", thermal="included"),
+            _test_film(pad=disc, x_m=2e-3, inertia="included", thermal="included"),
             half,
         ),
     }
@@ -76,29 +79,29 @@ def films() -> dict[str, tuple[Scene, Grid]]:
 def _with_uneven_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     """Tilted and crowned, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
-    modes = Quadrature(SINC_PROFILE, crests, component_factors=(0.8, 0.6))
+    modes = Quadrature(TEST_PROFILE, crests, component_factors=(0.8, 0.6))
     gap = GapShape(tilt_x_m=tilt_x_m, crown_m=5e-7)
     return replace(
         scene, actuator=replace(scene.actuator, profile=modes), pad=replace(scene.pad, gap=gap)
     )
 
 
-def _film(
+def _test_film(
     *,
     hv_m: float = 2.4e-6,
     x_m: float = 0.0,
     y_m: float = 0.0,
-    pad: Pad = SQUARE_PAD,
+    pad: Pad = TEST_PAD,
     **gas: str | float,
 ) -> Scene:
-    film = Film(replace(GAS, **gas), Actuator(4e4, 1e-2, profile=SINC_PROFILE), pad)  # type: ignore[arg-type]
+    film = Film(replace(TEST_GAS, **gas), Actuator(4e4, 1e-2, profile=TEST_PROFILE), pad)  # type: ignore[arg-type]
     return film.scene(6e-6, hv_m, x_m, y_m, point_id="self-test")
 
 
-def forces(device: Device) -> dict[str, float]:
+def forces_of_test_films(device: Device) -> dict[str, float]:
     """The films' mean gauge pressures in units of p0, as the device finds them."""
     force_of_film = {}
-    for name, (scene, points) in films().items():
+    for name, (scene, points) in test_films().items():
         grid = grid_on_pad(scene, points)
         states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
         force_of_film[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
@@ -120,18 +123,18 @@ def check_device(device: Device) -> None:
         )
 
 
-FORCE_IN_A_PROCESS = """
+FORCE_SCRIPT = """
 from squeezefilm.reynolds import self_test, solve
 from squeezefilm.reynolds.device import choose_device
 device = choose_device()
-self_test.forces(device)
-scene, _ = self_test.films()["squeeze"]
+self_test.forces_of_test_films(device)
+scene, _ = self_test.test_films()["squeeze"]
 solution = solve([scene], tolerance=1e-4, device=device)[0]
 raise SystemExit(0 if solution.status == "ok" else solution.status)
 """
 
 
-def check_survival(option: str | None) -> None:
+def check_in_new_process(option: str | None) -> None:
     """Solve films and a force in another process, as each command is one.
 
     Args:
@@ -141,7 +144,7 @@ def check_survival(option: str | None) -> None:
         RunError: where the process does not end by itself, or gives no force.
     """
     named = {DEVICE_VARIABLE: option} if option else {}
-    words = [sys.executable, "-c", FORCE_IN_A_PROCESS]
+    words = [sys.executable, "-c", FORCE_SCRIPT]
     environment = {**os.environ, **named}
     done = subprocess.run(
         words, env=environment, capture_output=True, text=True, errors="replace", check=False
@@ -161,14 +164,14 @@ def check_survival(option: str | None) -> None:
 def _failed_films(device: Device) -> str:
     """The films that a device gives otherwise."""
     stored = pd.read_csv(STORED_FORCES, index_col="film")["mean_overpressure"]
-    difference = (pd.Series(forces(device))[stored.index] / stored - 1).abs()
+    difference = (pd.Series(forces_of_test_films(device))[stored.index] / stored - 1).abs()
     wrong = difference[~(difference <= FORCE_TOLERANCE)]
     return "; ".join(f"{name}: {value:.1e}" for name, value in wrong.items())
 
 
 def main() -> None:
     """Write the table again."""
-    table = pd.Series(forces(choose_device()), name="mean_overpressure")
+    table = pd.Series(forces_of_test_films(choose_device()), name="mean_overpressure")
     write_text(table.to_csv(index_label="film", float_format="%.15g"), STORED_FORCES)
 
 

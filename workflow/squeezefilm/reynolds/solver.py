@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import retried_singly, unexpected
+from squeezefilm.errors import apply_with_bisection, unexpected_status
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validities
 from squeezefilm.reynolds.asymptotics.composite import (
     NOT_EXPANDED,
     Expanded,
     composite,
-    not_derived_for,
+    reasons_not_expanded,
 )
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
@@ -61,10 +61,10 @@ def solve(
     if any(["auto" in (film.gas.inertia, film.gas.thermal) for film in scenes.films]):
         raise ValueError("what of a scene's gas is auto must be decided before it is solved")
 
-    def attempt(subset: Scenes) -> Solutions:
+    def solve_subset(subset: Scenes) -> Solutions:
         finished = 0
 
-        def count(more: int) -> None:
+        def count_progress(more: int) -> None:
             nonlocal finished
             finished += more
             report(more)
@@ -74,13 +74,17 @@ def solve(
         solutions.validity[:] = validity
         waiting = int(np.count_nonzero(solutions.status == ""))
         if not waiting:
-            count(len(subset))
+            count_progress(len(subset))
             return solutions
         chosen = device or choose_device()
-        if not chosen.processor:
+        if not chosen.is_processor:
             check_device(chosen)
-        count(len(subset) - waiting)
-        how: dict[str, Any] = {"device": chosen, "keep_states": keep_states, "report": count}
+        count_progress(len(subset) - waiting)
+        how: dict[str, Any] = {
+            "device": chosen,
+            "keep_states": keep_states,
+            "report": count_progress,
+        }
         try:
             solve_periodic(plan, solutions, tolerance=tolerance, **how)
         except Exception:
@@ -89,11 +93,11 @@ def solve(
             raise
         return solutions
 
-    def failed(error: Exception) -> Solution:
+    def solution_of_error(error: Exception) -> Solution:
         report(1)
-        return Solution(status=unexpected(error), method=method)
+        return Solution(status=unexpected_status(error), method=method)
 
-    return Solutions.of(retried_singly(attempt, scenes, failed=failed))
+    return Solutions.of(apply_with_bisection(solve_subset, scenes, failed=solution_of_error))
 
 
 def known_solutions(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Expanded]:
@@ -106,9 +110,9 @@ def known_solutions(plan: Plan, *, tolerance: float, method: str) -> tuple[Solut
     if method != "periodic":
         found = composite(plan, tolerance=tolerance, auto=method == "auto", excluded=refused)
     if method == "composite":
-        refused = not_derived_for(plan) | refused
+        refused = reasons_not_expanded(plan) | refused
     else:
-        refused = plan.cached("on grids", plan.reasons, unsupported_on_grid) | refused
+        refused = plan.cached("on grids", plan.reasons_by_row, unsupported_on_grid) | refused
     solutions = Solutions.of_method("periodic" if method == "auto" else method, len(plan.scenes))
     for row, reason in refused.items():
         solutions.status[row] = reason

@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 # How steeply the harmonics that are kept of a function of time end.
-HARMONICS_STEEPNESS = 8
+HARMONICS_CUTOFF_STEEPNESS = 8
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Axis:
         return self.all_nodes[self.inner]
 
     @property
-    def in_halves(self) -> bool:
+    def in_even_odd_parts(self) -> bool:
         """Return whether kernels act on even and odd parts over the whole axis."""
         return not self.folded
 
@@ -119,7 +119,7 @@ class Axis:
         return values, vectors, np.linalg.inv(vectors)
 
     @cached_property
-    def second_parts(self) -> np.ndarray:
+    def second_derivative_parts(self) -> np.ndarray:
         """D2; of an axis that is not folded as it acts on even and odd functions' first halves.
 
         Shape (n, n), or (2, n/2, n/2): halved, for sum and difference of a function's values
@@ -129,7 +129,7 @@ class Axis:
 
     def even_odd_parts(self, matrix: np.ndarray) -> np.ndarray:
         """Split a matrix that commutes or anticommutes with mirroring into even and odd parts."""
-        return matrix if self.folded else even_and_odd(matrix) / 2
+        return matrix if self.folded else even_and_odd_matrices(matrix) / 2
 
     @cached_property
     def modes_in_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -139,7 +139,7 @@ class Axis:
         """
         if self.folded:
             return self.modes
-        values, vectors = np.linalg.eig(even_and_odd(self.second_derivative))
+        values, vectors = np.linalg.eig(even_and_odd_matrices(self.second_derivative))
         order = np.argsort(-values.real, axis=-1)
         values = np.take_along_axis(values.real, order, axis=-1)
         vectors = np.take_along_axis(vectors.real, order[:, None], axis=-1)
@@ -256,7 +256,7 @@ class Period:
 
     def harmonics_up_to(self, most: float) -> np.ndarray:
         """Return the projection on the harmonics up to about ``most``, shape (points, points)."""
-        kept = np.exp(-((self.harmonics / most) ** HARMONICS_STEEPNESS))
+        kept = np.exp(-((self.harmonics / most) ** HARMONICS_CUTOFF_STEEPNESS))
         return np.asarray(self.fourier.T * kept @ self.fourier)
 
     def at(self, instants: np.ndarray) -> np.ndarray:
@@ -281,7 +281,7 @@ def _annihilating_constants(matrix: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def even_and_odd(matrix: np.ndarray) -> np.ndarray:
+def even_and_odd_matrices(matrix: np.ndarray) -> np.ndarray:
     """Return matrices for even and for odd functions on half of n nodes: (2, …, n/2, n/2).
 
     It commutes with mirroring, as a second derivative does, or changes its sign, as a first one.
@@ -304,31 +304,31 @@ class AngleAxis:
 
     Attributes:
         points: number of unknowns along the axis, n.
-        lengthwise: functions are even in ν.
-        crosswise: functions are the same at ν and π − ν.
+        mirrored_lengthwise: functions are even in ν.
+        mirrored_crosswise: functions are the same at ν and π − ν.
     """
 
     points: int
-    lengthwise: bool
-    crosswise: bool
+    mirrored_lengthwise: bool
+    mirrored_crosswise: bool
 
     # Whether kernels act on the even and the odd part of what is on all of the axis (spectral.py).
-    in_halves = False
+    in_even_odd_parts = False
 
     @property
     def folded(self) -> bool:
-        return self.lengthwise or self.crosswise
+        return self.mirrored_lengthwise or self.mirrored_crosswise
 
     @property
     def full_points(self) -> int:
         """Nodes all around."""
-        return self.points * 2**self.lengthwise * 2**self.crosswise
+        return self.points * 2**self.mirrored_lengthwise * 2**self.mirrored_crosswise
 
     @cached_property
     def all_nodes(self) -> np.ndarray:
         """Nodes all around, those that carry unknowns first, shape (full_points,)."""
         # A half that is the same at ν and π − ν lies about 0.
-        start = -np.pi / 2 if self.crosswise and not self.lengthwise else 0.0
+        start = -np.pi / 2 if self.mirrored_crosswise and not self.mirrored_lengthwise else 0.0
         return start + 2 * np.pi * (np.arange(self.full_points) + 0.5) / self.full_points
 
     @property
@@ -344,12 +344,12 @@ class AngleAxis:
     @property
     def derivative(self) -> np.ndarray:
         """First derivative on all nodes, shape (full_points, full_points)."""
-        return self._all.derivative
+        return self._all_nodes_matrix.derivative
 
     @cached_property
-    def second_parts(self) -> np.ndarray:
+    def second_derivative_parts(self) -> np.ndarray:
         """Second derivative of a function of the axis' symmetries, shape (n, n)."""
-        fourier, harmonics = self._all.fourier, self._all.harmonics
+        fourier, harmonics = self._all_nodes_matrix.fourier, self._all_nodes_matrix.harmonics
         return self._fold(-(fourier[:, : self.points].T * harmonics**2) @ fourier)
 
     @cached_property
@@ -360,7 +360,7 @@ class AngleAxis:
     @cached_property
     def modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Eigenvalues (n,), eigenvectors as columns of unit mean square and their inverse."""
-        values, vectors = np.linalg.eigh(self.second_parts)
+        values, vectors = np.linalg.eigh(self.second_derivative_parts)
         size = np.sqrt(self.points)
         return values[::-1], vectors[:, ::-1] * size, vectors[:, ::-1].T / size
 
@@ -375,25 +375,27 @@ class AngleAxis:
 
     def to_points(self, points: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes to some places (m,), shape (m, full_points)."""
-        return self._all.at(points - self.all_nodes[0])
+        return self._all_nodes_matrix.at(points - self.all_nodes[0])
 
     @cached_property
     def _mirror_index_and_sign(self) -> tuple[np.ndarray, np.ndarray]:
         """Return each node's unknown, and the sign of an odd function there: (−1)^mirrors."""
         index, sign = np.arange(self.full_points), np.ones(self.full_points)
-        for image in self.mirrored:
+        for image in self.mirror_images:
             sign = np.where(index < image[index], sign, -sign)
             index = np.minimum(index, image[index])
         return index, sign
 
     @property
-    def mirrored(self) -> list[np.ndarray]:
+    def mirror_images(self) -> list[np.ndarray]:
         """Return the images of all nodes by each symmetry."""
         images = -self.all_nodes, np.pi - self.all_nodes
         step = 2 * np.pi / self.full_points
         return [
             np.round((image - self.all_nodes[0]) / step).astype(int) % self.full_points
-            for image, has in zip(images, (self.lengthwise, self.crosswise), strict=True)
+            for image, has in zip(
+                images, (self.mirrored_lengthwise, self.mirrored_crosswise), strict=True
+            )
             if has
         ]
 
@@ -405,7 +407,7 @@ class AngleAxis:
         return self._fold(self.to_points(points), odd=odd)
 
     @property
-    def _all(self) -> Period:
+    def _all_nodes_matrix(self) -> Period:
         return period(self.full_points)
 
     def _fold(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:

@@ -17,7 +17,7 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.positions import columns_as_in, position_form
+from squeezefilm.film.positions import columns_in_form, position_form
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.dry_run import dry_run
@@ -25,20 +25,20 @@ from squeezefilm.studies.space import (
     CENTRED_FACTORS,
     pad_positions,
     plan,
+    round_to_twelve_digits,
     sobol_points,
     space_of,
-    table_of,
-    twelve_digits,
+    table_of_points,
 )
 from squeezefilm.studies.study import scenes_in
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
 
 VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
 """The plans of independent points, uniform over the declared space: pad centred, anywhere."""
-GRID_SECTIONS = ("screen", "error_map")
+LEVEL_GRID_SECTIONS = ("screen", "error_map")
 """The plans of every gap with every amplitude, pad centred: of Fig. 7, and of control points."""
 # Points of a sweep that are held at a time, and that a Parquet file keeps together.
-POINTS_PER_PIECE = 2**15
+SWEEP_POINTS_PER_PIECE = 2**15
 
 # One thread of an AMD EPYC (Zen 5, registers of 64 bytes), 60 and 65 scenes of the paper at 1e-3 to
 # 1e-8: processor time, fitted.
@@ -47,18 +47,20 @@ MFLOP_PER_SECOND = 42_000.0
 # scenes share them, as in most small plans, a fifth of it.
 SECONDS_PER_SCENE = 3e-4
 # Outputs ask for states on two grids more, closely solved, and for Python's time.
-TIMES_FOR_OUTPUTS, SECONDS_OF_OUTPUTS = 4, 1e-2
-TIMED_SCENES = 32
-MOST_CHUNKS = 20_000
+OUTPUTS_TIME_FACTOR, OUTPUTS_EXTRA_SECONDS = 4, 1e-2
+TIMED_SCENE_COUNT = 32
+MAX_CHUNKS_PER_PLAN = 20_000
 # Of a job, which holds its scenes and whose forces are merged at a time: 1 kB each.
-MOST_SCENES = 500_000
+MAX_SCENES_PER_CHUNK = 500_000
 
 
 def level_grid(name: str, config: Study) -> pd.DataFrame:
-    """Every gap with every amplitude of a section, of GRID_SECTIONS."""
+    """Every gap with every amplitude of a section, of LEVEL_GRID_SECTIONS."""
     section = config.screen if name == "screen" else config.error_map
     levels = section.h0_m, section.hv_m
-    values = [twelve_digits(np.linspace(each.start, each.stop, each.levels)) for each in levels]
+    values = [
+        round_to_twelve_digits(np.linspace(each.start, each.stop, each.levels)) for each in levels
+    ]
     return pd.DataFrame(product(*values), columns=CENTRED_FACTORS)
 
 
@@ -67,7 +69,7 @@ def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.
 
     Equal seeds give equal points.
     """
-    return _within(ranges, np.random.default_rng(seed).random((points, 4)))
+    return _scale_to_ranges(ranges, np.random.default_rng(seed).random((points, 4)))
 
 
 def sweep_pieces(
@@ -81,18 +83,18 @@ def sweep_pieces(
     sequence = sobol_points(4, seed=seed)
     if first:
         sequence.fast_forward(first)
-    for begin in range(first, first + points, POINTS_PER_PIECE):
-        end = min(begin + POINTS_PER_PIECE, first + points)
+    for begin in range(first, first + points, SWEEP_POINTS_PER_PIECE):
+        end = min(begin + SWEEP_POINTS_PER_PIECE, first + points)
         with warnings.catch_warnings():
             # Of numbers of points that are no power of two: they fill the box less evenly.
             warnings.filterwarnings("ignore", message="The balance", category=UserWarning)
-            table = _within(ranges, sequence.random(end - begin))
+            table = _scale_to_ranges(ranges, sequence.random(end - begin))
         yield table.assign(point_id=np.arange(begin + 1, end + 1).astype(str))
 
 
-def _within(ranges: dict[str, tuple[float, float]], unit: np.ndarray) -> pd.DataFrame:
+def _scale_to_ranges(ranges: dict[str, tuple[float, float]], unit: np.ndarray) -> pd.DataFrame:
     """The plan of points in [0, 1] over ranges, shape (points, 4)."""
-    names = columns_as_in(FACTOR_COLUMNS, ranges)
+    names = columns_in_form(FACTOR_COLUMNS, ranges)
     lower, upper = np.transpose([ranges[name] for name in names])
     return plan(pd.DataFrame(lower + (upper - lower) * unit, columns=names))
 
@@ -111,7 +113,9 @@ def write_scenes(
             for piece in sweep_pieces(**sweep):
                 write(piece)
         elif name == "extrapolation":
-            write(_extrapolation(config, {Path(path).stem: read_fit(path) for path in sources}))
+            write(
+                _extrapolation_scenes(config, {Path(path).stem: read_fit(path) for path in sources})
+            )
         else:
             design = read_design(sources[0]) if sources else None
             write(scenes_of(name, config, design=design))
@@ -120,7 +124,7 @@ def write_scenes(
 def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -> pd.DataFrame:
     """The scenes of a plan that the study or a design gives."""
     position = config.actuator.surface.position
-    if name in GRID_SECTIONS:
+    if name in LEVEL_GRID_SECTIONS:
         return plan(level_grid(name, config), position=position)
     if name == "four_factor_control":
         control = config.four_factor_control
@@ -129,15 +133,15 @@ def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -
         sample = config.validation
         space = space_of(config, centred=name == "validation_two_factor")
         points = space.independent_sample(sample.points, seed=sample.seed)
-        return table_of(points, space)
+        return table_of_points(points, space)
     assert design is not None, f"the plan {name} is made from a design"
     if name == "four_factor":
         positions = pd.DataFrame(pad_positions(config), columns=position)
         return plan(positions.merge(design[[*CENTRED_FACTORS]], how="cross"))
-    return design[columns_as_in(SCENE_COLUMNS, design)]
+    return design[columns_in_form(SCENE_COLUMNS, design)]
 
 
-def _extrapolation(config: Study, fits: Mapping[str, FittedModel]) -> pd.DataFrame:
+def _extrapolation_scenes(config: Study, fits: Mapping[str, FittedModel]) -> pd.DataFrame:
     """The operating point of the section ``extrapolation``, and one scene of each fit.
 
     Each fit adds the scene at which it expects the target force at that gap, named as the fit is.
@@ -157,7 +161,7 @@ def plan_sizes(config: Study) -> dict[str, int]:
     """The number of points of each plan that is simulated in chunks."""
     positions = config.positions.points or len(pad_positions(config))
     return {
-        **{name: len(level_grid(name, config)) for name in GRID_SECTIONS},
+        **{name: len(level_grid(name, config)) for name in LEVEL_GRID_SECTIONS},
         "four_factor": config.design.points * positions,
         "four_factor_control": config.four_factor_control.points,
         "sweep": config.sweep.points,
@@ -173,24 +177,24 @@ def chunk_counts(config: Study) -> dict[str, int]:
     target = config.simulation.seconds_per_job
     counts = {}
     for name, points in plan_sizes(config).items():
-        seconds = points * expected_seconds(config, centred=name in GRID_SECTIONS)
-        counts[name] = min(points, max(ceil(seconds / target), ceil(points / MOST_SCENES)))
-        if counts[name] > MOST_CHUNKS:
+        seconds = points * expected_seconds_per_scene(config, centred=name in LEVEL_GRID_SECTIONS)
+        counts[name] = min(points, max(ceil(seconds / target), ceil(points / MAX_SCENES_PER_CHUNK)))
+        if counts[name] > MAX_CHUNKS_PER_PLAN:
             raise InputError(
                 f"{config.path}: simulation.seconds_per_job: {target:g} s make {counts[name]} jobs "
-                f"of the plan {name}; at most {MOST_CHUNKS} are possible, so give at least "
-                f"{seconds / MOST_CHUNKS:.2g}"
+                f"of the plan {name}; at most {MAX_CHUNKS_PER_PLAN} are possible, so give at least "
+                f"{seconds / MAX_CHUNKS_PER_PLAN:.2g}"
             )
     return counts
 
 
-def expected_seconds(config: Study, *, centred: bool) -> float:
+def expected_seconds_per_scene(config: Study, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
-    sample = random_plan(points=TIMED_SCENES, seed=1, **space_of(config).limits)
+    sample = random_plan(points=TIMED_SCENE_COUNT, seed=1, **space_of(config).limits)
     if centred:
         sample = sample.assign(**dict.fromkeys(position_form(sample), 0.0))
     scenes = scenes_in(sample, config, profile=config.planned_profile())
     planned = dry_run(scenes, tolerance=config.solver.tolerance, method=config.solver.method)
-    mflop = sum(preview["expected_mflop"] for preview in planned) / TIMED_SCENES
+    mflop = sum(preview["expected_mflop"] for preview in planned) / TIMED_SCENE_COUNT
     seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
-    return seconds * TIMES_FOR_OUTPUTS + SECONDS_OF_OUTPUTS if config.outputs else seconds
+    return seconds * OUTPUTS_TIME_FACTOR + OUTPUTS_EXTRA_SECONDS if config.outputs else seconds

@@ -11,9 +11,9 @@ from squeezefilm.quantities.model_error import resolve_auto_terms, solve_auto_te
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.kernel_cache import one_build_at_a_time
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.solution import Solution, checked_outputs
+from squeezefilm.solution import Solution, validated_output_names
 
-TOLERANCES = (1e-10, 0.1)
+TOLERANCE_RANGE = (1e-10, 0.1)
 
 
 @dataclass(frozen=True)
@@ -27,11 +27,11 @@ class SolverSettings:
     outputs: tuple[str, ...]
 
     @property
-    def how(self) -> dict[str, Any]:
+    def solve_arguments(self) -> dict[str, Any]:
         """Keyword arguments of ``solve``."""
         return {"tolerance": self.tolerance, "method": self.method, "device": self.device}
 
-    def resolved(self, scenes: Scenes | Sequence[Scene]) -> Scenes | Sequence[Scene]:
+    def with_terms_decided(self, scenes: Scenes | Sequence[Scene]) -> Scenes | Sequence[Scene]:
         """The scenes with what of their gas is ``auto`` decided."""
         how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
         return resolve_auto_terms(scenes, **how, device=self.device)
@@ -68,9 +68,10 @@ def solver_settings(
     """
     tolerance = config.solver.tolerance if tolerance is None else tolerance
     method = method or config.solver.method
-    if not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
+    if not TOLERANCE_RANGE[0] <= tolerance <= TOLERANCE_RANGE[1]:
         raise InputError(
-            f"tolerance {tolerance:g} must lie between {TOLERANCES[0]:g} and {TOLERANCES[1]:g}"
+            f"tolerance {tolerance:g} must lie between {TOLERANCE_RANGE[0]:g} and "
+            f"{TOLERANCE_RANGE[1]:g}"
         )
     if method not in METHODS:
         raise InputError(f"method {method!r} is none of {', '.join(METHODS)}")
@@ -79,5 +80,5 @@ def solver_settings(
         model_tolerance=config.solver.model_tolerance,
         method=method,
         device=device_of(config, option=device),
-        outputs=checked_outputs(config.outputs if outputs is None else outputs),
+        outputs=validated_output_names(config.outputs if outputs is None else outputs),
     )

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 CENTRED_FACTORS = FACTOR_COLUMNS[:2]
 """The factors of a pad that stays at the centre."""
-POSITIONS_SEED, SOBOL_EXPONENT = 1, 10
+SPACE_FILLING_SEED, SOBOL_POINTS_EXPONENT = 1, 10
 """Of the sequence of positions, and of two, the most points that it may have."""
 
 
-def twelve_digits(values: Array) -> Array:
+def round_to_twelve_digits(values: Array) -> Array:
     """Numbers with twelve digits, so that a limit reads 7e-06 and not 7.000000000000001e-06."""
     rounded = [float(f"{value:.12g}") for value in values.flat]
     return np.array(rounded).reshape(values.shape)
@@ -53,24 +53,26 @@ def pad_positions(config: Study) -> list[tuple[float, float]]:
     """
     positions = config.positions
     if positions.points:
-        return space_filling(config.symmetry(), positions)
+        return space_filling_positions(config.symmetry(), positions)
     return config.symmetry().pad_positions(positions)
 
 
-def space_filling(symmetry: Symmetry, positions: Positions) -> list[tuple[float, float]]:
+def space_filling_positions(symmetry: Symmetry, positions: Positions) -> list[tuple[float, float]]:
     """Positions that fill the reachable space, so that no wave of the profile can alias with them.
 
     The centre, then a scrambled Sobol' sequence over the space's limits, whose first quarter is
     moved to the edges: the far one of the first factor, and the nearer one of the second.
     """
     limits = symmetry.limits(positions)
-    sequence = sobol_points(len(limits), seed=POSITIONS_SEED).random_base2(SOBOL_EXPONENT)
+    sequence = sobol_points(len(limits), seed=SPACE_FILLING_SEED).random_base2(
+        SOBOL_POINTS_EXPONENT
+    )
     unit = sequence[: positions.points - 1]
     # Neighbours of the sequence, for those at a distance that is a power of two lie side by side.
     edge = len(unit) // 4
     unit[: edge // 2, 0] = 1.0
     unit[edge // 2 : edge, 1] = np.round(unit[edge // 2 : edge, 1])
-    return [(0.0, 0.0), *map(tuple, twelve_digits(Space(limits).from_unit(unit)).tolist())]
+    return [(0.0, 0.0), *map(tuple, round_to_twelve_digits(Space(limits).from_unit(unit)).tolist())]
 
 
 def sobol_points(factors: int, *, seed: int) -> qmc.Sobol:
@@ -103,12 +105,14 @@ def space_of(config: Study, *, centred: bool = False) -> Space:
     return Space(limits, allowed, position)
 
 
-def table_of(points: Array, space: Space) -> pd.DataFrame:
+def table_of_points(points: Array, space: Space) -> pd.DataFrame:
     """Points as a plan, numbered from 1; twelve digits, so that a limit reads 2e-06."""
-    return plan(pd.DataFrame(twelve_digits(points), columns=space.names), position=space.position)
+    return plan(
+        pd.DataFrame(round_to_twelve_digits(points), columns=space.names), position=space.position
+    )
 
 
-def points_of(table: pd.DataFrame, space: Space) -> Array:
+def points_of_table(table: pd.DataFrame, space: Space) -> Array:
     """The rows of a table of scenes as points.
 
     Raises InputError where the pad is off the centre of a space in which it stays there.

@@ -12,7 +12,7 @@ import numpy as np
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, prefix_errors, reject_rows
-from squeezefilm.film.positions import POLAR, cartesian, columns_as_in
+from squeezefilm.film.positions import POLAR, cartesian, columns_in_form
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.symmetry import Directions
@@ -59,7 +59,7 @@ def scenes_in(
     """
     if missing := [name for name in FACTOR_COLUMNS[:2] if name not in table]:
         raise InputError(f"points need the column {missing[0]!r}")
-    names, centre = columns_as_in(FACTOR_COLUMNS, table), np.zeros(len(table["h0_m"]))
+    names, centre = columns_in_form(FACTOR_COLUMNS, table), np.zeros(len(table["h0_m"]))
     h0_m, hv_m, x_m, y_m = (np.asarray(table.get(name, centre), dtype=float) for name in names)
     numbered = table.get("point_id", np.arange(1, len(centre) + 1))
     point_id = np.array(list(map(str, numbered)), dtype=object)
@@ -109,7 +109,7 @@ def check_study(config: Study) -> Study:
         profile = config.planned_profile()
     if config.measurements:
         measured_points(config, profile=profile)
-    for section, points in _extreme_points(config):
+    for section, points in _extreme_points_by_section(config):
         with prefix_errors(f"{config.path}: {section}"):
             scenes_in(points, config, profile=profile)
     return config
@@ -137,7 +137,7 @@ def measured_points(config: Study, *, profile: Profile | None = None) -> pd.Data
     return table
 
 
-def _extreme_points(config: Study) -> Iterator[tuple[str, pd.DataFrame]]:
+def _extreme_points_by_section(config: Study) -> Iterator[tuple[str, pd.DataFrame]]:
     """The points of a study at which a film may fail to exist, by section."""
     screen, extrapolation = config.screen, config.extrapolation
     closest = {"h0_m": screen.h0_m.start, "hv_m": screen.hv_m.stop}

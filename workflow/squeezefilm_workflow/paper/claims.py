@@ -30,14 +30,14 @@ CLAIMS = pd.read_csv(
     index_col="claim_id",
 )
 PAPERS_SPACE = {"hv_min": 0.2, "hv_max": 2.0, "h0_min": 5.0, "h0_max": 10.0}
-TIME_BOUNDS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
+TEXT_OF_TIME_BOUND = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
 Values = dict[str, Any]
 """Our value of each claim by its id, in the claim's unit, and others that texts name: lengths in
 µm, forces in N, errors in percent."""
 
 
-def judge(results: Results) -> pd.DataFrame:
+def judged_claims(results: Results) -> pd.DataFrame:
     """Every claim with our value and the verdict, as strings; columns CLAIM_COLUMNS.
 
     Raises InputError naming a result that is missing or lacks what it must have.
@@ -83,7 +83,7 @@ def _two_factor_values(results: Results) -> Values:
     smallest = screen.sort_values("force_n", kind="stable").iloc[0]
     ppm = 1e6 * float(smallest["force_n"])
     seconds = read_timings(results.folder / "simulations/screen/timings.csv")["solve_s"].max()
-    bound = next((f"below {name}" for limit, name in TIME_BOUNDS if seconds < limit), None)
+    bound = next((f"below {name}" for limit, name in TEXT_OF_TIME_BOUND if seconds < limit), None)
     return {
         **limits,
         "space": max(abs(limits[name] - value) for name, value in PAPERS_SPACE.items()),
@@ -111,7 +111,7 @@ def _design_values(results: Results) -> Values:
     screen, design = results.forces("screen"), results.design("two_factor")
     fit = results.fit("two_factor_design")
     judged = results.validation("two_factor_design", "screen")
-    summary = results.summary("designs/two_factor.json")
+    summary = results.read_json_file("designs/two_factor.json")
     scalings, own = summary["scalings"], summary["scaling"]
     patterns = scalings[own]
     excess = max(pattern["objective_excess"] for pattern in patterns)
@@ -214,8 +214,8 @@ def _four_factor_values(results: Results) -> Values:
         "four_factor_points": len(plan),
         "positions": len(plan[["phi_r_m", "phi_deg"]].drop_duplicates()),
         "locus": 100 * distance.max(),
-        "four": _ratios(four),
-        "two": _ratios(two),
+        "four": _ratio_of_extremes(four),
+        "two": _ratio_of_extremes(two),
         "four_factor_error": 100 * judged["global_error"],
         "distinct": 100 * distinct["global_error"],
         "control": 100 * control["global_error"],
@@ -235,5 +235,5 @@ def _expected_n(fit: FittedModel, *, h0_m: float, hv_m: float) -> float:
     return float(fit.force_model.evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))[0])
 
 
-def _ratios(values: np.ndarray) -> str:
+def _ratio_of_extremes(values: np.ndarray) -> str:
     return ", ".join(f"{value:.3f}" for value in sorted(set(values.round(3))))

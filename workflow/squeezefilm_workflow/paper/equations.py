@@ -14,11 +14,11 @@ import pandas as pd
 
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.models.data import factors_of
-from squeezefilm.models.prediction_interval import error_sizes, relative_errors
+from squeezefilm.models.prediction_interval import error_statistics, relative_errors
 from squeezefilm_workflow.paper.claims import CLAIMS
-from squeezefilm_workflow.paper.tables import SYMBOLS, UNITS
+from squeezefilm_workflow.paper.tables import SYMBOL_OF_PARAMETER, UNIT_OF_PARAMETER
 from squeezefilm_workflow.reporting.check import FIT_OF_DESIGN
-from squeezefilm_workflow.reporting.pages import Page, readable
+from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
 
 FIT_OF_MODEL = {
@@ -28,7 +28,7 @@ FIT_OF_MODEL = {
     "four_factor_design": "five points, four factors, the paper's form",
     "four_factor_design_distinct": "five points, four factors, distinct scenes",
 }
-VALIDATIONS = {
+NAME_OF_VALIDATION = {
     ("two_factor_design", "screen"): "all points",
     ("two_factor_design", "error_map"): "control grid",
     ("four_factor_design", "four_factor"): "all points",
@@ -36,29 +36,38 @@ VALIDATIONS = {
     ("four_factor_design_distinct", "four_factor_control"): "random points",
 }
 EQUATION_COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
-_TWO, _FOUR = FIT_OF_MODEL["two_factor_design"], FIT_OF_MODEL["four_factor_design"]
-CONDITIONS = (
-    (_TWO, "global error, all points", float(CLAIMS["paper"]["design_error"])),
-    (_TWO, "worst relative error, control grid", float(CLAIMS["upper"]["band"])),
-    (_FOUR, "global error, all points", float(CLAIMS["paper"]["four_factor_error"])),
+_TWO_FACTOR_FIT, _FOUR_FACTOR_FIT = (
+    FIT_OF_MODEL["two_factor_design"],
+    FIT_OF_MODEL["four_factor_design"],
+)
+CONCLUSION_CONDITIONS = (
+    (_TWO_FACTOR_FIT, "global error, all points", float(CLAIMS["paper"]["design_error"])),
+    (_TWO_FACTOR_FIT, "worst relative error, control grid", float(CLAIMS["upper"]["band"])),
+    (_FOUR_FACTOR_FIT, "global error, all points", float(CLAIMS["paper"]["four_factor_error"])),
 )
 """What five points must hold: part and quantity of the table, the largest value the paper has."""
 
 
-def compare(paper: Results, inertia: Results) -> pd.DataFrame:
+def equations_table(paper: Results, inertia: Results) -> pd.DataFrame:
     """A row for each number of the two studies, columns EQUATION_COLUMNS.
 
     Raises:
         InputError: naming a result that is missing or lacks what it must have.
     """
     pairs = zip(
-        _values(paper, design_source=paper), _values(inertia, design_source=paper), strict=True
+        _study_values(paper, design_source=paper),
+        _study_values(inertia, design_source=paper),
+        strict=True,
     )
     rows = [(*without, value) for without, (*_, value) in pairs]
-    return pd.DataFrame([*rows, *_transferred(paper, inertia)], columns=list(EQUATION_COLUMNS))
+    return pd.DataFrame(
+        [*rows, *_errors_of_transferred_fits(paper, inertia)], columns=list(EQUATION_COLUMNS)
+    )
 
 
-def _values(study: Results, *, design_source: Results) -> Iterator[tuple[str, str, str, float]]:
+def _study_values(
+    study: Results, *, design_source: Results
+) -> Iterator[tuple[str, str, str, float]]:
     """Part, quantity, unit and value, for one study; ``design_source`` has the designs to be
     reused.
     """
@@ -67,9 +76,9 @@ def _values(study: Results, *, design_source: Results) -> Iterator[tuple[str, st
     for name, part in FIT_OF_MODEL.items():
         fit = study.fit(name)
         for parameter, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
-            yield part, SYMBOLS[parameter], UNITS.get(parameter, "–"), value
+            yield part, SYMBOL_OF_PARAMETER[parameter], UNIT_OF_PARAMETER.get(parameter, "–"), value
         yield part, "global error on its own points", "%", 100 * fit.global_error
-    for (name, plan), where in VALIDATIONS.items():
+    for (name, plan), where in NAME_OF_VALIDATION.items():
         errors = study.validation(name, plan)
         yield FIT_OF_MODEL[name], f"global error, {where}", "%", 100 * errors["global_error"]
         worst = 100 * abs(errors["worst_relative_error"])
@@ -82,14 +91,16 @@ def _values(study: Results, *, design_source: Results) -> Iterator[tuple[str, st
         yield part, name.replace("_", " "), "–", d_efficiency(first, slopes)
 
 
-def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, str, float, float]]:
+def _errors_of_transferred_fits(
+    paper: Results, inertia: Results
+) -> Iterator[tuple[str, str, str, float, float]]:
     """Compare fits to the paper's equation with forces without and with inertia."""
     part = "the paper's equation judged by forces with inertia"
     for name in ("screen", "two_factor_design", "four_factor"):
         plan = "four_factor" if name == "four_factor" else "screen"
         fit, tables = paper.fit(name), [study.forces(plan) for study in (paper, inertia)]
         without, with_it = (
-            _global_percent(fit.force_model.evaluate(fit.theta, factors_of(table)), table)
+            _global_error_percent(fit.force_model.evaluate(fit.theta, factors_of(table)), table)
             for table in tables
         )
         yield part, f"global error, fit to {FIT_OF_MODEL[name]}", "%", without, with_it
@@ -97,7 +108,7 @@ def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, s
     change = 100 * (moved["force_n"] / plain["force_n"] - 1)
     worst = relative_errors(model_n=plain["force_n"], simulation_n=moved["force_n"])
     for quantity, value in {
-        "global error of the forces themselves": _global_percent(plain["force_n"], moved),
+        "global error of the forces themselves": _global_error_percent(plain["force_n"], moved),
         "least change of a force": change.min(),
         "largest change of a force": change.max(),
         "worst relative error of the forces themselves": 100 * np.abs(worst).max(),
@@ -105,15 +116,15 @@ def _transferred(paper: Results, inertia: Results) -> Iterator[tuple[str, str, s
         yield part, f"{quantity}, screen", "%", 0.0, float(value)
 
 
-def _global_percent(model_n: Any, forces: pd.DataFrame) -> float:
-    return 100 * error_sizes(model_n=model_n, simulation_n=forces["force_n"])["global_error"]
+def _global_error_percent(model_n: Any, forces: pd.DataFrame) -> float:
+    return 100 * error_statistics(model_n=model_n, simulation_n=forces["force_n"])["global_error"]
 
 
 def equations_page(results: Results, *, sides: Sequence[str]) -> Page:
     """The page of the two studies, whose results are in the folders ``sides``."""
-    table = compare(*(Results(Path(folder), results.config) for folder in sides))
-    parts = readable(table).groupby("part", sort=False)
-    rested_on = conditions(table)
+    table = equations_table(*(Results(Path(folder), results.config) for folder in sides))
+    parts = readable_table(table).groupby("part", sort=False)
+    rested_on = rows_of_conditions(table)
     values = {
         "survives": rested_on["holds"].all(),
         "conditions": rested_on,
@@ -122,13 +133,13 @@ def equations_page(results: Results, *, sides: Sequence[str]) -> Page:
     return Page(values, {"csv": table})
 
 
-def conditions(table: pd.DataFrame) -> pd.DataFrame:
+def rows_of_conditions(table: pd.DataFrame) -> pd.DataFrame:
     """The table's rows that the conclusion rests on.
 
     ``at_most`` are the paper's own errors, ``holds`` says whether five points do no worse where the
     gas has inertia: the conclusion survives where all hold.
     """
-    keys = [(part, quantity) for part, quantity, _ in CONDITIONS]
+    keys = [(part, quantity) for part, quantity, _ in CONCLUSION_CONDITIONS]
     rows = table.set_index(["part", "quantity"]).loc[keys].reset_index()
-    at_most = np.array([limit for *_, limit in CONDITIONS])
+    at_most = np.array([limit for *_, limit in CONCLUSION_CONDITIONS])
     return rows.assign(at_most=at_most, holds=rows["with_inertia"] <= at_most)

@@ -8,16 +8,22 @@ from squeezefilm_workflow.reporting.notes import five_digits, simulations_note
 from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
-SYMBOLS = {"theta0": "θ0", "theta1": "θ1", "theta2": "θ2", "theta3": "θ3", "theta4": "θ4"}
-UNITS = {"theta2": "N", "theta4": "1/m"}
-ASSUMED = "our assumption: the paper's table is not legible to us"
+SYMBOL_OF_PARAMETER = {
+    "theta0": "θ0",
+    "theta1": "θ1",
+    "theta2": "θ2",
+    "theta3": "θ3",
+    "theta4": "θ4",
+}
+UNIT_OF_PARAMETER = {"theta2": "N", "theta4": "1/m"}
+ASSUMED_TEXT = "our assumption: the paper's table is not legible to us"
 
 
 def table1(results: Results) -> Page:
     """Parameters of the two-factor model, from the screen and from the optimal design alone."""
     fits = (("screen", "screen"), ("optimal design", "two_factor_design"))
     title = "Table I. Parameters of the two-factor model"
-    return _parameters(results, fits, plan="screen", title=title)
+    return _parameters_page(results, fits, plan="screen", title=title)
 
 
 def table2(results: Results) -> Page:
@@ -26,8 +32,8 @@ def table2(results: Results) -> Page:
     rows = [
         ("mean gap", "h0", "µm", 1e6 * screen["h0_m"], "paper"),
         ("amplitude at the centre", "hv", "µm", 1e6 * screen["hv_m"], "paper"),
-        ("radial position", "φr", "mm", 1e3 * plan["phi_r_m"], ASSUMED),
-        ("angular position", "φφ", "°", plan["phi_deg"], ASSUMED),
+        ("radial position", "φr", "mm", 1e3 * plan["phi_r_m"], ASSUMED_TEXT),
+        ("angular position", "φφ", "°", plan["phi_deg"], ASSUMED_TEXT),
     ]
     columns = ["factor", "symbol", "unit", "minimum", "maximum", "source"]
     data = pd.DataFrame(
@@ -52,13 +58,13 @@ def table3(results: Results) -> Page:
         ("optimal design, distinct scenes", "four_factor_design_distinct"),
     )
     title = "Table III. Parameters of the four-factor model"
-    return _parameters(results, fits, plan="four_factor", title=title)
+    return _parameters_page(results, fits, plan="four_factor", title=title)
 
 
-TABLES: dict[str, Callable[[Results], Page]] = {"1": table1, "2": table2, "3": table3}
+PAPERS_TABLES: dict[str, Callable[[Results], Page]] = {"1": table1, "2": table2, "3": table3}
 
 
-def _parameters(
+def _parameters_page(
     results: Results, fits: Sequence[tuple[str, str]], *, plan: str, title: str
 ) -> Page:
     """The parameters of fits and their errors on the points of a plan, to which the first is."""
@@ -67,17 +73,25 @@ def _parameters(
     for shown, name in fits:
         fit = results.fit(name)
         for key, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
-            rows.append((shown, fit.points, SYMBOLS[key], UNITS.get(key, "–"), value))
+            rows.append(
+                (
+                    shown,
+                    fit.points,
+                    SYMBOL_OF_PARAMETER[key],
+                    UNIT_OF_PARAMETER.get(key, "–"),
+                    value,
+                )
+            )
         error = fit.global_error if name == plan else results.validation(name, plan)["global_error"]
         rows.append((shown, fit.points, f"global error on the {judged_on}", "%", 100 * error))
     data = pd.DataFrame(rows, columns=["fit", "points", "quantity", "unit", "value"])
     note = simulations_note(results.forces(plan))
     if plan == "four_factor":
         note += " φφ in degrees, φr in metres."
-    return Page({"title": title, "shown": _side_by_side(data), "note": note}, {"csv": data})
+    return Page({"title": title, "shown": _fits_side_by_side(data), "note": note}, {"csv": data})
 
 
-def _side_by_side(data: pd.DataFrame) -> pd.DataFrame:
+def _fits_side_by_side(data: pd.DataFrame) -> pd.DataFrame:
     """A row per quantity, a column per fit, five digits."""
     table = data.assign(
         fit=data["fit"] + " (" + data["points"].astype(str) + " points)",

@@ -17,7 +17,7 @@ import pandas as pd
 import yaml
 from scipy.optimize import brentq
 
-from squeezefilm.config.loading import with_changes
+from squeezefilm.config.loading import with_changed_keys
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
@@ -28,11 +28,11 @@ from squeezefilm_workflow.reporting.notes import five_digits
 from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
-Forces = Callable[[Sequence[Scene]], np.ndarray]
+ForcesFunction = Callable[[Sequence[Scene]], np.ndarray]
 """The mean force of each scene in newtons; NaN where it cannot be simulated."""
 
-SEARCH_POINTS = 13
-PLAUSIBLE_POINTS = 5
+ASSUMPTION_SEARCH_POINTS = 13
+POINTS_IN_PLAUSIBLE_RANGE = 5
 
 
 Assumption = Mapping[str, Any]
@@ -44,7 +44,7 @@ ASSUMPTIONS = [
 ]
 
 
-def _differences(config: Study) -> Iterator[tuple[dict[str, Any], float, dict[str, float]]]:
+def _force_differences(config: Study) -> Iterator[tuple[dict[str, Any], float, dict[str, float]]]:
     """The forces in which the paper's simulations and ours differ.
 
     For each how its rows begin, half a unit of the last digit of the paper's, and the point.
@@ -66,45 +66,45 @@ def uncertainty_page(results: Results) -> Page:
     settings = solver_settings(config, outputs=())
 
     def forces(scenes: Sequence[Scene]) -> np.ndarray:
-        return solve(settings.resolved(scenes), **settings.how).force_n
+        return solve(settings.with_terms_decided(scenes), **settings.solve_arguments).force_n
 
-    table = compare(config, forces=forces)
+    table = assumptions_table(config, forces=forces)
     differences = [
         {
             "claim": claim,
             "paper_n": rows["paper_n"].iloc[0],
             "ours_n": rows["ours_n"].iloc[0],
             "explaining": int((rows["verdict"] == "explains").sum()),
-            "assumptions": _shown(rows),
+            "assumptions": _shown_assumptions(rows),
         }
         for claim, rows in table.groupby("claim", sort=False)
     ]
     return Page({"differences": differences}, {"csv": table})
 
 
-def _shown(rows: pd.DataFrame) -> pd.DataFrame:
+def _shown_assumptions(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the assumptions of a difference for the page, their verdict first, ranges as texts."""
 
-    def texts(name: str) -> pd.Series:
+    def text_column(name: str) -> pd.Series:
         return rows[name].map(lambda value: five_digits(value) if np.isfinite(value) else "–")
 
-    def ranges(name: str, unit: str = "") -> pd.Series:
-        return texts(f"{name}_lower{unit}") + " to " + texts(f"{name}_upper{unit}")
+    def range_column(name: str, unit: str = "") -> pd.Series:
+        return text_column(f"{name}_lower{unit}") + " to " + text_column(f"{name}_upper{unit}")
 
     shown = {
         "assumption": rows["assumption"] + " (" + rows["unit"] + ")",
         "verdict": rows["verdict"],
-        "assumed": texts("assumed"),
-        "plausible": ranges("plausible"),
-        "force (N)": ranges("force", "_n"),
-        "needed": texts("needed"),
-        "reached (N)": ranges("reached", "_n"),
+        "assumed": text_column("assumed"),
+        "plausible": range_column("plausible"),
+        "force (N)": range_column("force", "_n"),
+        "needed": text_column("needed"),
+        "reached (N)": range_column("reached", "_n"),
         "because": rows["because"],
     }
     return pd.DataFrame(shown)
 
 
-def compare(config: Study, *, forces: Forces) -> pd.DataFrame:
+def assumptions_table(config: Study, *, forces: ForcesFunction) -> pd.DataFrame:
     """A row for each difference and assumption.
 
     It has, in the assumption's unit, what is assumed and plausible; the forces over the
@@ -114,23 +114,23 @@ def compare(config: Study, *, forces: Forces) -> pd.DataFrame:
     Raises RunError when a film cannot be simulated even with everything as assumed.
     """
     rows: list[dict[str, Any]] = []
-    for claim, half_n, point in _differences(config):
+    for claim, half_n, point in _force_differences(config):
         (ours_n,) = forces([scene_of(config, **point)])
         if not np.isfinite(ours_n):
             raise RunError(f"{claim['claim_id']}: the film could not be simulated")
         begin = {**claim, "ours_n": float(ours_n)}
         for assumption in ASSUMPTIONS:
-            rows += _rows(config, point, begin, half_n, assumption, forces)
+            rows += _assumption_rows(config, point, begin, half_n, assumption, forces)
     return pd.DataFrame(rows)
 
 
-def _rows(
+def _assumption_rows(
     config: Study,
     point: Mapping[str, float],
     begin: Mapping[str, Any],
     half_n: float,
     assumption: Assumption,
-    forces: Forces,
+    forces: ForcesFunction,
 ) -> Iterator[dict[str, Any]]:
     """The row; none where the study's film does not know the assumption.
 
@@ -157,7 +157,7 @@ def _rows(
                 changed = {}
             at = {key: changed.pop(f"point.{key}", point[key]) for key in point}
             with suppress(InputError):
-                scenes[k] = scene_of(with_changes(config, changed), **at)
+                scenes[k] = scene_of(with_changed_keys(config, changed), **at)
         scene_forces_n = np.full(len(values), np.nan)
         scene_forces_n[list(scenes)] = forces(list(scenes.values()))
         return scene_forces_n
@@ -165,15 +165,15 @@ def _rows(
     def excess_n(value: float) -> float:
         return float(forces_n(np.array([value]))[0] - paper_n)
 
-    low, high = assumption["plausible"] or _rounding(assumed, assumption["scale"])
-    values = np.linspace(low, high, PLAUSIBLE_POINTS if high > low else 1)
+    low, high = assumption["plausible"] or _rounding_interval(assumed, assumption["scale"])
+    values = np.linspace(low, high, POINTS_IN_PLAUSIBLE_RANGE if high > low else 1)
     plausible = np.append(forces_n(values), begin["ours_n"])
     low_n, high_n = np.nanmin(plausible), np.nanmax(plausible)
     # From small to large, with that assumed among them.
     least, most = assumption["search"]
-    values = np.linspace(least, most, SEARCH_POINTS)
+    values = np.linspace(least, most, ASSUMPTION_SEARCH_POINTS)
     if assumption["rest"] is None:
-        tried = assumed * np.geomspace(least, most, SEARCH_POINTS)
+        tried = assumed * np.geomspace(least, most, ASSUMPTION_SEARCH_POINTS)
         values = np.unique(np.append(tried, assumed))
     reached = forces_n(values)
     off = reached - paper_n
@@ -199,7 +199,7 @@ def _rows(
     }
 
 
-def _rounding(value: float, scale: float) -> tuple[float, float]:
+def _rounding_interval(value: float, scale: float) -> tuple[float, float]:
     """Least and largest value that rounds to the digits of one in its unit."""
     shown = value / scale
     half = 0.5 * 10.0 ** -len(f"{shown:g}".partition(".")[2])

@@ -36,9 +36,9 @@ CHECK_COLUMNS = (
     "of_tolerance",
 )
 REFERENCE_COLUMNS = ("item", "quantity", "cell", "value")
-WIDEST_CELL = 40
+MAX_CELL_CHARACTERS = 40
 """Characters of a cell on the screen; all of it is in the table."""
-PICTURES, PICTURES_FOLDER = "pictures", "check/figures"
+PICTURES_PART, PICTURES_FOLDER = "pictures", "check/figures"
 FILE_OF_PART = {
     "simulations": "simulations/{}/forces.csv",
     "fits": "fits/{}.json",
@@ -47,20 +47,20 @@ FILE_OF_PART = {
     "numerics": "numerics/{}.csv",
     "tables": "tables/{}.csv",
     "figure data": "figures/{}.csv",
-    PICTURES: "check/figures/{}.plain.png",
+    PICTURES_PART: "check/figures/{}.plain.png",
     "claims": "claims.csv",
 }
 """The file of an item, in the study's results; parts that others are made from stand first."""
 RANDOM_FIGURE = "fig09"
 """The figure of many searches: which of them ended where is chance."""
-PICTURE_RMS = 1.5
+MAX_PICTURE_RMS = 1.5
 """Of the pixels (0 to 255) between two pictures. In the paper's figures a dropped curve makes 2.4
 to 30, a line of the band 3.5, the zero line of Figure 14 3.5, forces off by 1e-4 0.1. A line of the
 small film in `overview` makes 0.2 and is not seen, nor is one that others hide."""
-PIXELS = "RMS of the pixels"
-_NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−+]?\d+)?")
+PIXEL_RMS_QUANTITY = "RMS of the pixels"
+_NUMBER_PATTERN = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−+]?\d+)?")
 
-SAMPLED_ROWS = 25
+MAX_SAMPLED_ROWS = 25
 """Rows of a table that a reference keeps; least, mean and largest stand for the others."""
 FIT_OF_DESIGN = {
     "two_factor": "screen",
@@ -79,10 +79,10 @@ RESULT_COLUMNS_PATTERN = {
     "tables/uncertainty": "assumption|force_(lower|upper)_n|ours_n|verdict",
 }
 """Tables that the study's figures are drawn from, and their columns that are compared."""
-FIXED_PLANS = "(screen|error_map|four_factor_control)"
-CLOSENESS = {
-    rf"{FIXED_PLANS} force_n": "force",
-    rf"{FIXED_PLANS} (h0_m|hv_m|phi_r_m|phi_deg|x_m|y_m)": "given",
+FIXED_PLANS_PATTERN = "(screen|error_map|four_factor_control)"
+CLOSENESS_OF_QUANTITY = {
+    rf"{FIXED_PLANS_PATTERN} force_n": "force",
+    rf"{FIXED_PLANS_PATTERN} (h0_m|hv_m|phi_r_m|phi_deg|x_m|y_m)": "given",
     r"\w+ (phi_r_m|phi_deg|x_m|y_m)|[a-z]\w+ (h0_m|hv_m)": "place",
     r".*/levitation h0_m": "force",
     r".* (h0_m|hv_m|minimum|maximum)": "given",
@@ -122,7 +122,11 @@ class Closeness:
 
     def distances(self, expected: Cells, got: Cells) -> dict[str, float]:
         """Return each cell's difference over the allowed one; values up to 1 pass."""
-        sizes = [abs(_numbers(text)[0]) for text in expected.values() if _NUMBER.fullmatch(text)]
+        sizes = [
+            abs(_numbers_in_text(text)[0])
+            for text in expected.values()
+            if _NUMBER_PATTERN.fullmatch(text)
+        ]
         amount = self.absolute + self.of_largest * float(max(sizes, default=0))
         cells = dict.fromkeys([*expected, *got])
         return {cell: self._distance(expected.get(cell), got.get(cell), amount) for cell in cells}
@@ -130,10 +134,14 @@ class Closeness:
     def _distance(self, expected: str | None, got: str | None, amount: float) -> float:
         if expected == got:
             return 0.0
-        if expected is None or got is None or _NUMBER.sub("#", expected) != _NUMBER.sub("#", got):
+        if (
+            expected is None
+            or got is None
+            or _NUMBER_PATTERN.sub("#", expected) != _NUMBER_PATTERN.sub("#", got)
+        ):
             return math.inf
         largest = 0.0
-        for want, have in zip(_numbers(expected), _numbers(got), strict=True):
+        for want, have in zip(_numbers_in_text(expected), _numbers_in_text(got), strict=True):
             unit = 10.0 ** max(int(number.as_tuple().exponent) for number in (want, have))
             allowed = amount + self.relative * abs(float(want)) + self.digits * unit
             if off := abs(float(want) - float(have)):  # just over one by rounding counts as one
@@ -144,9 +152,9 @@ class Closeness:
 EQUAL_TEXT = Closeness()
 
 
-def _numbers(text: str) -> list[Decimal]:
+def _numbers_in_text(text: str) -> list[Decimal]:
     """The numbers in a text, with their digits."""
-    return [Decimal(number.replace("−", "-")) for number in _NUMBER.findall(text)]
+    return [Decimal(number.replace("−", "-")) for number in _NUMBER_PATTERN.findall(text)]
 
 
 class Quantity(NamedTuple):
@@ -166,7 +174,7 @@ def check_page(results: Results, *, reference: str) -> Page:
     """Every quantity of a study beside those of the reference in a folder."""
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
-    values = {"summary": summary(table), "table": shown}
+    values = {"summary": passed_and_failed_text(table), "table": shown}
     return Page(values, {"csv": table, "text": f"{screen_text(table, results.folder)}\n"})
 
 
@@ -215,7 +223,7 @@ def read_reference(folder: Path) -> Reference:
         part = path.stem.replace("_", " ")
         for item, quantity, cell, value in table.itertuples(index=False, name=None):
             reference.setdefault((part, item, quantity), {})[cell] = value
-    return reference | pictures_of(folder)
+    return reference | pictures_of_folder(folder)
 
 
 def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path) -> None:
@@ -226,7 +234,7 @@ def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path)
     rows = [
         (*quantity[:3], *cell)
         for quantity in quantities
-        if quantity.part != PICTURES
+        if quantity.part != PICTURES_PART
         for cell in quantity.cells.items()
     ]
     for path in (*folder.glob("*.csv"), *folder.glob(f"*{PLAIN_SUFFIX}")):
@@ -234,40 +242,42 @@ def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path)
     table = pd.DataFrame(rows, columns=["part", *REFERENCE_COLUMNS])
     for part, cells in table.groupby("part"):
         write_table(cells.drop(columns="part"), folder / f"{str(part).replace(' ', '_')}.csv")
-    for _, name, _ in pictures_of(results / PICTURES_FOLDER):
+    for _, name, _ in pictures_of_folder(results / PICTURES_FOLDER):
         shutil.copy(results / PICTURES_FOLDER / f"{name}{PLAIN_SUFFIX}", folder)
 
 
-def pictures_of(folder: Path) -> Reference:
+def pictures_of_folder(folder: Path) -> Reference:
     """Return the zero difference of each plain figure of a folder from itself."""
     names = sorted(path.name.removesuffix(PLAIN_SUFFIX) for path in folder.glob(f"*{PLAIN_SUFFIX}"))
     return {
-        (PICTURES, name, "difference"): {PIXELS: "0"} for name in names if name != RANDOM_FIGURE
+        (PICTURES_PART, name, "difference"): {PIXEL_RMS_QUANTITY: "0"}
+        for name in names
+        if name != RANDOM_FIGURE
     }
 
 
 def compare_pictures(pictures: Path, reference: Path) -> Iterator[Quantity]:
-    """Yield the PICTURE_RMS difference of each figure's picture from the reference's picture.
+    """Yield the MAX_PICTURE_RMS difference of each figure's picture from the reference's picture.
 
     Fonts change a picture by more than a dropped curve does, hence no texts. Where it is too far
     off, the difference is drawn beside it.
     """
-    for key in sorted(pictures_of(pictures) | pictures_of(reference)):
+    for key in sorted(pictures_of_folder(pictures) | pictures_of_folder(reference)):
         expected, got = (folder / f"{key[1]}{PLAIN_SUFFIX}" for folder in (reference, pictures))
         apart = "one of the two is missing"
         if expected.exists() and got.exists():
             got.with_name(f"{got.stem}-failed-diff.png").unlink(missing_ok=True)
             try:
                 difference = compare_images(
-                    str(expected), str(got), tol=PICTURE_RMS, in_decorator=True
+                    str(expected), str(got), tol=MAX_PICTURE_RMS, in_decorator=True
                 )
                 apart = f"{difference['rms']:.3g}" if difference else "0"
             except (ImageComparisonFailure, OSError, SyntaxError) as error:
                 apart = " ".join(str(error).split())
-        yield Quantity(*key, {PIXELS: apart}, Closeness(absolute=PICTURE_RMS))
+        yield Quantity(*key, {PIXEL_RMS_QUANTITY: apart}, Closeness(absolute=MAX_PICTURE_RMS))
 
 
-def summary(table: pd.DataFrame) -> str:
+def passed_and_failed_text(table: pd.DataFrame) -> str:
     """Return a sentence with the number of quantities that passed or failed."""
     failed = int((table["verdict"] != PASSED).sum())
     if failed:
@@ -298,15 +308,15 @@ def screen_text(table: pd.DataFrame, folder: Path) -> str:
     files = dict.fromkeys(str(folder / FILE_OF_PART[part].format(item)) for part, item in items)
     how: dict[str, Any] = {
         "index": False,
-        "max_colwidth": WIDEST_CELL,
+        "max_colwidth": MAX_CELL_CHARACTERS,
         "float_format": "{:.2g}".format,
     }
     shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items() if len(rows)]
     paths = ["Files that failed:\n", *(f"{file}\n" for file in files), "\n"] if files else []
-    return "".join([*shown, *paths, summary(table)])
+    return "".join([*shown, *paths, passed_and_failed_text(table)])
 
 
-def tolerances(solver: float) -> dict[str, Closeness]:
+def closeness_by_kind(solver: float) -> dict[str, Closeness]:
     """Return the tolerance of each kind of quantity for a solver tolerance."""
     return {
         # What the configuration gives, through plain arithmetic.
@@ -342,38 +352,42 @@ def study_quantities(results: Results, reference: Path) -> list[Quantity]:
     """
     config, folder = results.config, results.folder
 
-    def names(pattern: str) -> list[str]:
+    def names_matching(pattern: str) -> list[str]:
         return sorted(path.stem for path in folder.glob(pattern))
 
-    closeness = tolerances(float(config.solver.tolerance))
+    closeness = closeness_by_kind(float(config.solver.tolerance))
     plans = sorted(path.parent.name for path in folder.glob("simulations/*/forces.csv"))
     items = [
         *(
-            ("figure data", name, _table)
-            for name in names("figures/fig*.csv")
+            ("figure data", name, _table_quantities)
+            for name in names_matching("figures/fig*.csv")
             if name != RANDOM_FIGURE
         ),
         *(
-            ("results", name, _table)
+            ("results", name, _table_quantities)
             for name in RESULT_COLUMNS_PATTERN
             if results.exists(f"{name}.csv")
         ),
-        *(("tables", name, _table) for name in names("tables/table*.csv")),
-        *(("claims", name, _claims) for name in names("claims.csv")),
-        *(("simulations", plan, _simulations) for plan in plans if plan[:10] != "validation"),
-        *(("fits", name, _fit) for name in names("fits/*.json")),
-        *(("designs", name, _design) for name in FIT_OF_DESIGN),
+        *(("tables", name, _table_quantities) for name in names_matching("tables/table*.csv")),
+        *(("claims", name, _claim_quantities) for name in names_matching("claims.csv")),
+        *(
+            ("simulations", plan, _simulation_quantities)
+            for plan in plans
+            if plan[:10] != "validation"
+        ),
+        *(("fits", name, _fit_quantities) for name in names_matching("fits/*.json")),
+        *(("designs", name, _design_quantities) for name in FIT_OF_DESIGN),
     ]
     # A reference has a sample of the films; all of them take minutes.
     if config.numerics.extent == "sample" and results.exists("numerics/stability.csv"):
-        items.append(("numerics", "stability", _stability))
+        items.append(("numerics", "stability", _stability_quantities))
     quantities = [
         quantity for part, item, make in items for quantity in make(results, closeness, part, item)
     ]
     return [*quantities, *compare_pictures(folder / PICTURES_FOLDER, reference)]
 
 
-def text_of(value: Any) -> str:
+def cell_text(value: Any) -> str:
     """A cell's text: twelve digits of a number, so that 7e-06 reads so."""
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.number):
         return str(value)
@@ -383,33 +397,40 @@ def text_of(value: Any) -> str:
 def column_quantities(
     table: pd.DataFrame, closeness: Mapping[str, Closeness], part: str, item: str
 ) -> Iterator[Quantity]:
-    """A table's number of rows, then its columns thinned out, each as close as in CLOSENESS.
+    """A table's number of rows, then its columns thinned out, each as close as in
+    CLOSENESS_OF_QUANTITY.
 
-    Of a longer table, SAMPLED_ROWS rows evenly spaced are kept, and of its columns of numbers the
-    least, the mean and the largest value.
+    Of a longer table, MAX_SAMPLED_ROWS rows evenly spaced are kept, and of its columns of numbers
+    the least, the mean and the largest value.
     """
     yield Quantity(part, item, "rows", {"rows": str(len(table))})
     for name in map(str, table):
         column, column_path = table[name], f"{item} {name}"
-        kinds = (kind for pattern, kind in CLOSENESS.items() if re.fullmatch(pattern, column_path))
+        kinds = (
+            kind
+            for pattern, kind in CLOSENESS_OF_QUANTITY.items()
+            if re.fullmatch(pattern, column_path)
+        )
         kind = next(kinds, "derived" if column.dtype == float else None)
-        cells = _sample(column)
-        if kind and len(table) > SAMPLED_ROWS:
+        cells = _sampled_rows(column)
+        if kind and len(table) > MAX_SAMPLED_ROWS:
             extremes = column.agg(["min", "mean", "max"]).set_axis(["least", "mean", "largest"])
-            cells |= {str(name): text_of(value) for name, value in extremes.items()}
+            cells |= {str(name): cell_text(value) for name, value in extremes.items()}
         yield Quantity(part, item, name, cells, closeness[kind] if kind else EQUAL_TEXT)
 
 
-def _sample(column: pd.Series) -> dict[str, str]:
-    kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, SAMPLED_ROWS)})
-    return {f"row {row + 1}": text_of(column.iloc[row]) for row in kept}
+def _sampled_rows(column: pd.Series) -> dict[str, str]:
+    kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, MAX_SAMPLED_ROWS)})
+    return {f"row {row + 1}": cell_text(column.iloc[row]) for row in kept}
 
 
 Quantities = Iterator[Quantity]
 ClosenessOfColumn = Mapping[str, Closeness]
 
 
-def _table(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
+def _table_quantities(
+    results: Results, closeness: ClosenessOfColumn, part: str, item: str
+) -> Quantities:
     """A table of the paper, or one that a figure draws."""
     folder = {"figure data": "figures/", "tables": "tables/"}.get(part, "")
     table = results.table(f"{folder}{item}.csv")
@@ -419,7 +440,9 @@ def _table(results: Results, closeness: ClosenessOfColumn, part: str, item: str)
     return column_quantities(table[chosen], closeness, part, item)
 
 
-def _claims(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
+def _claim_quantities(
+    results: Results, closeness: ClosenessOfColumn, part: str, item: str
+) -> Quantities:
     """Every claim's verdict and our value; of the run time, the verdict alone."""
     table = results.table(f"{item}.csv", "claim_id", "claim", "paper", "ours", "unit", "verdict")
     for claim in table.fillna("").astype(str).to_dict("records"):
@@ -431,7 +454,7 @@ def _claims(results: Results, closeness: ClosenessOfColumn, part: str, item: str
             yield Quantity(part, name, "ours", cells, closeness["shown"])
 
 
-def _simulations(
+def _simulation_quantities(
     results: Results, closeness: ClosenessOfColumn, part: str, item: str
 ) -> Quantities:
     """The points of a plan, their forces, and whether error estimates keep the tolerance."""
@@ -443,26 +466,34 @@ def _simulations(
     yield Quantity(part, item, "estimated errors within the tolerance", kept)
 
 
-def _fit(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
+def _fit_quantities(
+    results: Results, closeness: ClosenessOfColumn, part: str, item: str
+) -> Quantities:
     """A fit's objective, and what it predicts at the points of its plan."""
     fit = results.fit(item)
     objective = {"|y − η|/|y|": f"{fit.global_error:.9g}"}
     yield Quantity(part, item, "objective", objective, closeness["residual"])
     forces = fit.force_model.evaluate(fit.theta, factors_of(results.scenes(item)))
-    yield Quantity(part, item, "predicted forces", _sample(pd.Series(forces)), closeness["model"])
+    yield Quantity(
+        part, item, "predicted forces", _sampled_rows(pd.Series(forces)), closeness["model"]
+    )
 
 
-def _design(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
+def _design_quantities(
+    results: Results, closeness: ClosenessOfColumn, part: str, item: str
+) -> Quantities:
     """D-efficiency of a design for the model that it was made for, times that of the best
     design."""
     fit, design = results.fit(FIT_OF_DESIGN[item]), results.design(item)
     slopes = fit.force_model.gradient(fit.theta, factors_of(design))
     sign, logarithm = np.linalg.slogdet(slopes.T @ slopes / len(slopes))
-    worth = {"det(F'F/N)^(1/p)": text_of(sign * np.exp(logarithm / len(fit.theta)))}
+    worth = {"det(F'F/N)^(1/p)": cell_text(sign * np.exp(logarithm / len(fit.theta)))}
     yield Quantity(part, item, "D-efficiency", worth, closeness["design"])
 
 
-def _stability(results: Results, closeness: ClosenessOfColumn, part: str, item: str) -> Quantities:
+def _stability_quantities(
+    results: Results, closeness: ClosenessOfColumn, part: str, item: str
+) -> Quantities:
     """The verdict on every stiff or extreme film."""
     table = results.table("numerics/stability.csv", "case", "verdict").astype(str)
     verdicts = dict(zip(table["case"], table["verdict"], strict=True))

@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 RESULTS_ARGUMENT = option("results", "RESULTS", "the study's results", type=Path)
 STUDY_OPTION = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
 FILES_OPTION = option("--output", "FILE", required=True, nargs="+", type=Path)
-RECOMMENDED_SHOWN = (
+RECOMMENDATION_COLUMNS_SHOWN = (
     *("space", "model", "validation_error_percent", "simulations", "worst_error_percent"),
     *(*FACTOR_COLUMNS, *CARTESIAN),
     *("force_n", "hv_error_95_m", "note"),
 )
-PICTURES = (".png", ".svg", ".pdf")
+PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
 
 # matplotlib is imported where something is drawn or pictures are compared.
 
@@ -56,10 +56,12 @@ def plot(options: argparse.Namespace) -> None:
 
         return _save_figure_of_table(options.figure, ("h0_m", "hv_m"), curve, options.output)
     if options.figure == "profile" and options.results and options.results.suffix in tables:
-        from squeezefilm_workflow.reporting.figures.maps import PROFILE_COLUMNS, profile_of
+        from squeezefilm_workflow.reporting.figures.maps import PROFILE_COLUMNS, draw_profile_table
 
-        return _save_figure_of_table(options.results, PROFILE_COLUMNS, profile_of, options.output)
-    check_formats(options.output, (*PICTURES, ".csv"))
+        return _save_figure_of_table(
+            options.results, PROFILE_COLUMNS, draw_profile_table, options.output
+        )
+    check_formats(options.output, (*PICTURE_SUFFIXES, ".csv"))
     if options.results is None:
         raise InputError(f"{options.figure}: give the folder of the study's results too")
     from squeezefilm_workflow.reporting.figures import FIGURES, save
@@ -82,9 +84,9 @@ def _save_figure_of_table(
 ) -> None:
     from squeezefilm_workflow.reporting.figures import style
 
-    check_formats(output, PICTURES)
+    check_formats(output, PICTURE_SUFFIXES)
     table = read_columns(path, columns=columns, optional=FACTOR_COLUMNS)
-    with style.settings(), prefix_errors(path):
+    with style.figure_style(), prefix_errors(path):
         style.save(draw(table), output)
 
 
@@ -99,7 +101,7 @@ def plot_pressure(options: argparse.Namespace) -> None:
     gauge pressure at eight phases and in the mean, and its mean over the pad beside the gap there.
     The same field gives the same files. Both need xarray: the extra `fields`.
     """
-    check_formats(options.output, (*PICTURES, ".gif"))
+    check_formats(options.output, (*PICTURE_SUFFIXES, ".gif"))
     from squeezefilm_workflow.reporting.pressure_pictures import draw
 
     draw(options.field, options.output)
@@ -139,7 +141,7 @@ def recommend(options: argparse.Namespace) -> None:
         for name in ("validation_error", "worst_error"):
             table[f"{name}_percent"] = 100 * table[name]
         ends = table.sort_values("hv_m").groupby("space", sort=False)["hv_m"].nth([0, -1]).index
-        table = table.loc[ends, [name for name in RECOMMENDED_SHOWN if name in table]]
+        table = table.loc[ends, [name for name in RECOMMENDATION_COLUMNS_SHOWN if name in table]]
     write_rows(table, options)
     for best in table.drop_duplicates("space").to_dict("records"):
         print(f"fit of {best['space']}: {results.candidate(best['space'], best['model'])}")

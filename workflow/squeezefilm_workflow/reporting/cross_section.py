@@ -10,8 +10,8 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.pressure import pressure
 from squeezefilm.reynolds.device import Device
 
-PICTURE_POINTS, PICTURE_TIMES = 41, 16
-PICTURE_TOLERANCE = 1e-4
+POINTS_ALONG_X, TIMES_PER_PERIOD = 41, 16
+PRESSURE_TOLERANCE = 1e-4
 """Of the largest pressure: a picture shows no more."""
 
 
@@ -22,8 +22,8 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
     pressure is that of the periodic state, NaN where there is none to show. The scene's terms must
     be decided.
     """
-    x = (1 - np.cos(np.pi * np.arange(PICTURE_POINTS + 2) / (PICTURE_POINTS + 1))) / 2
-    phase = 2 * np.pi * np.arange(PICTURE_TIMES) / PICTURE_TIMES
+    x = (1 - np.cos(np.pi * np.arange(POINTS_ALONG_X + 2) / (POINTS_ALONG_X + 1))) / 2
+    phase = 2 * np.pi * np.arange(TIMES_PER_PERIOD) / TIMES_PER_PERIOD
     middle = np.full_like(x, 0.5)
     pad = scene.h0_m + scene.pad.gap.rise_m(x, middle)
     # The gap widens while the surface goes down.
@@ -34,8 +34,8 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
             scene,
             x=x,
             y=middle[:1],
-            instants=PICTURE_TIMES,
-            tolerance=PICTURE_TOLERANCE,
+            instants=TIMES_PER_PERIOD,
+            tolerance=PRESSURE_TOLERANCE,
             device=device,
         )
         values = gauge_pressure_ratio[:, 0]

@@ -15,15 +15,19 @@ import scipy
 from squeezefilm.columns import COLUMNS
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import columns_as_in, position_form
+from squeezefilm.film.positions import columns_in_form, position_form
 from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_of, read_fit
+from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_from_values, read_fit
 from squeezefilm.models.fitting import local_fit, parameter_ranges
-from squeezefilm.models.force_model import FACTOR_SPACES, check_columns
-from squeezefilm.models.prediction_interval import error_sizes, ranking_half, relative_errors
+from squeezefilm.models.force_model import FACTOR_SPACES, check_columns_known
+from squeezefilm.models.prediction_interval import (
+    error_statistics,
+    ranking_points_mask,
+    relative_errors,
+)
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
-from squeezefilm_workflow.reporting.notes import VERDICTS, percent
-from squeezefilm_workflow.reporting.pages import Page, readable
+from squeezefilm_workflow.reporting.notes import TEXT_OF_REFINE_VERDICT, percent
+from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
 
 MODEL_COLUMNS = (
@@ -32,7 +36,7 @@ MODEL_COLUMNS = (
     *("error_95_percent", "coverage", "coverage_min", "coverage_min_region", "expression"),
     *("about", "note"),
 )
-SHOWN = {
+SHOWN_COLUMN_TITLES = {
     "model": "model",
     "verdict": "verdict",
     "validation_error": "global error",
@@ -49,10 +53,10 @@ SHOWN = {
     "validation_worst_n": "largest error (N)",
 }
 """Columns of a comparison as its page has them, in words."""
-COUNTS = ("parameters", "fit_points", "validation_points", "validation_failed")
-RECOMMENDED_BY = ("four_factor", *(f"validation_{space}" for space in FACTOR_SPACES))
+COUNT_COLUMNS = ("parameters", "fit_points", "validation_points", "validation_failed")
+RECOMMENDATION_PLANS = ("four_factor", *(f"validation_{space}" for space in FACTOR_SPACES))
 """The plans that the recommended model is judged by; the first has the positions."""
-RECOMMENDED = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
+RECOMMENDATION_COLUMNS = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""
 
 
@@ -67,7 +71,7 @@ def models_page(results: Results, *, space: str) -> Page:
         "statement": next((fit.statement for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
         "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),
-        "parameters": readable(_parameters(results, space, fits)),
+        "parameters": readable_table(_parameters_with_intervals(results, space, fits)),
         "results": results.folder,
         "not_validated": table[table["validation_error"].isna()].set_index("model")["note"],
     }
@@ -93,10 +97,14 @@ def shown_table(judged: pd.DataFrame) -> pd.DataFrame:
         error_95_percent=[f"{error:.3g} %" for error in judged["error_95_percent"]],
         least_coverage=[f"{percent(least)}, {region}" for least, region in regions],
     )
-    return readable(judged[list(SHOWN)]).set_axis([*SHOWN.values()], axis="columns")
+    return readable_table(judged[list(SHOWN_COLUMN_TITLES)]).set_axis(
+        [*SHOWN_COLUMN_TITLES.values()], axis="columns"
+    )
 
 
-def _parameters(results: Results, space: str, fits: Sequence[FittedModel]) -> pd.DataFrame:
+def _parameters_with_intervals(
+    results: Results, space: str, fits: Sequence[FittedModel]
+) -> pd.DataFrame:
     """Return the parameters of fits with their intervals; missing where an end is open."""
     plan = results.folder / f"simulations/{'screen' if space == 'two_factor' else space}"
     forces, rows = read_ok_forces(plan / "forces.csv"), []
@@ -119,22 +127,24 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     Raises InputError for a file that is missing or lacks what it must have.
     """
     sample, factors = results.sample(space)
-    half = ranking_half(len(sample))
+    half = ranking_points_mask(len(sample))
     known = half & (sample["status"] == "ok").to_numpy()
     factors, forces = factors.take(known), sample[known].reset_index(drop=True)
-    scenes, no_force = forces[columns_as_in(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
+    scenes, no_force = forces[columns_in_form(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
     for name in results.config.comparison.of(space):
         path = results.candidate(space, name)
         values = read_json(path)
         try:
-            row, relative = _errors_of_model(fit_of(values, source=path), factors, forces)
+            row, relative = _errors_of_model(fit_from_values(values, source=path), factors, forces)
         except InputError as error:
             rows.append({"model": name, "note": str(values.get("not_supported", error))})
             continue
         rows.append(row | {"validation_failed": no_force})
         errors.append(scenes.assign(model=name, relative_error=relative))
-    table = pd.DataFrame(rows, columns=list(MODEL_COLUMNS)).astype(dict.fromkeys(COUNTS, "Int64"))
+    table = pd.DataFrame(rows, columns=list(MODEL_COLUMNS)).astype(
+        dict.fromkeys(COUNT_COLUMNS, "Int64")
+    )
     return table, pd.concat(errors[1:] or errors, ignore_index=True)
 
 
@@ -148,11 +158,11 @@ def _errors_of_model(
     model = fit.force_model
     if fit.interval is None:
         raise InputError("not validated: fit it with a validation sample")
-    check_columns(model, factors)
+    check_columns_known(model, factors)
     predicted = model.evaluate(fit.theta, factors)
     if undefined := int(np.sum(~np.isfinite(predicted))):
         raise InputError(f"undefined at {undefined} points of the validation sample")
-    sizes = error_sizes(model_n=predicted, simulation_n=forces["force_n"])
+    sizes = error_statistics(model_n=predicted, simulation_n=forces["force_n"])
     least = min(fit.interval.coverage, key=lambda region: region["coverage"])
     cross = fit.cross_validation
     row = {
@@ -181,19 +191,21 @@ def recommend(results: Results) -> pd.DataFrame:
 
     Recommended is the model with the least global error on the half of the validation sample that
     ranks, that with fewer parameters where two are the same. ``worst_error`` is the largest
-    relative error at any simulation of RECOMMENDED_BY, fitted or not. The amplitude gives the
+    relative error at any simulation of RECOMMENDATION_PLANS, fitted or not. The amplitude gives the
     study's target force at its gap (section ``extrapolation``). One empty row where no model can be
     validated.
     """
     forces = {
         plan: read_forces(results.folder / f"simulations/{plan}/forces.csv").query("status == 'ok'")
-        for plan in RECOMMENDED_BY
+        for plan in RECOMMENDATION_PLANS
     }
-    rows = [row for space in FACTOR_SPACES for row in _recommended(results, space, forces)]
-    return pd.DataFrame(rows or [dict.fromkeys(RECOMMENDED)])
+    rows = [
+        row for space in FACTOR_SPACES for row in _recommended_amplitudes(results, space, forces)
+    ]
+    return pd.DataFrame(rows or [dict.fromkeys(RECOMMENDATION_COLUMNS)])
 
 
-def _recommended(
+def _recommended_amplitudes(
     results: Results, space: str, forces: dict[str, pd.DataFrame]
 ) -> Iterator[dict[str, Any]]:
     """A space's model at its positions; nothing where none can be validated."""
@@ -215,7 +227,7 @@ def _recommended(
         "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
     }
     target = results.config.extrapolation
-    positions = forces[RECOMMENDED_BY[0]][list(position_form(every))].drop_duplicates()
+    positions = forces[RECOMMENDATION_PLANS[0]][list(position_form(every))].drop_duplicates()
     if space == "two_factor":  # the centre alone: models know no other
         positions = pd.DataFrame([dict.fromkeys(position_form(every), 0.0)])
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
@@ -238,7 +250,7 @@ def refine_page(results: Results, *, space: str) -> Page:
     rows, reasons, profile_uncertainty = [], {}, 0.0
     for name in results.config.refine.of(space):
         folder = f"refine/{space}/{name}"
-        verdict = results.summary(f"{folder}/verdict.json")
+        verdict = results.read_json_file(f"{folder}/verdict.json")
         if "not_supported" in verdict:
             unknown = {"parameters": None, "verdict": "not supported", "simulations": None}
             rows.append({"model": verdict["model"], **unknown})
@@ -246,9 +258,9 @@ def refine_page(results: Results, *, space: str) -> Page:
             continue
         fit = read_fit(results.folder / folder / "fit.json")
         profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
-        rows.append(_refined(results.folder / folder, verdict, fit, factors, force_n))
+        rows.append(_refinement_row(results.folder / folder, verdict, fit, factors, force_n))
         reasons[verdict["model"]] = (
-            VERDICTS[verdict["verdict"]],
+            TEXT_OF_REFINE_VERDICT[verdict["verdict"]],
             f"{verdict['reason']}. {verdict['error_by_region_text']} "
             f"(by {verdict['errors_mapped_by']}).",
         )
@@ -258,12 +270,14 @@ def refine_page(results: Results, *, space: str) -> Page:
         "points": len(force_n),
         "reasons": reasons,
         "profile_uncertainty": profile_uncertainty,
-        "shown": readable(refined.assign(verdict=refined["verdict"].map(VERDICTS))),
+        "shown": readable_table(
+            refined.assign(verdict=refined["verdict"].map(TEXT_OF_REFINE_VERDICT))
+        ),
     }
     return Page(values, {"table": table})
 
 
-def _refined(
+def _refinement_row(
     folder: Path,
     verdict: Mapping[str, Any],
     fit: FittedModel,
@@ -272,14 +286,16 @@ def _refined(
 ) -> dict[str, Any]:
     """Return the estimates of a refinement and the errors at held-out points."""
     model, estimated = fit.force_model, verdict["estimated"]
-    check_columns(model, factors)
+    check_columns_known(model, factors)
     error = model.evaluate(fit.theta, factors) - force_n
     best = model.evaluate(np.array(verdict["theta_of_all_points"]), factors) - force_n
     size_n = np.linalg.norm(force_n)
     share = np.nan  # no interval: the design does not settle the parameters
     if (lack_of_fit_n := verdict["lack_of_fit_n"]) is not None:
         quantile = float(scipy.special.stdtrit(verdict["verification_points"], 0.975))
-        allowed_n = quantile * lack_of_fit_n * np.sqrt(1 + _spread(folder, fit, factors))
+        allowed_n = (
+            quantile * lack_of_fit_n * np.sqrt(1 + _variance_over_lack_of_fit(folder, fit, factors))
+        )
         share = float(np.mean(np.abs(error) <= allowed_n))
     return {
         "model": model.name,
@@ -297,7 +313,7 @@ def _refined(
     }
 
 
-def _spread(folder: Path, fit: FittedModel, held_out: Factors) -> Any:
+def _variance_over_lack_of_fit(folder: Path, fit: FittedModel, held_out: Factors) -> Any:
     """Variance of a refined model's force at held-out points over that of its lack of fit."""
     if not fit.theta:
         return 0.0

@@ -7,9 +7,9 @@ import pandas as pd
 
 from squeezefilm import units
 from squeezefilm.config.study import Study
-from squeezefilm.film.validity import LIMITS, Limit
+from squeezefilm.film.validity import VALIDITY_LIMITS, Limit
 
-VERDICTS = {
+TEXT_OF_REFINE_VERDICT = {
     "reached": "targets met",
     "model": "limited by the model",
     "simulation": "limited by the simulations",
@@ -20,7 +20,7 @@ CLAIM_COLUMNS_SHOWN = ("claim", "verdict", "paper", "ours", "unit")
 """Columns of claims in a summary; ``kind`` is a column of the table too."""
 
 
-def verdicts(claims: pd.DataFrame) -> dict[str, Any]:
+def claims_verdict_note(claims: pd.DataFrame) -> dict[str, Any]:
     """Return a sentence that counts the paper's claims, and those that do not agree.
 
     Results are counted apart from settings: a setting agrees because a study takes it over.
@@ -58,23 +58,23 @@ def five_digits(value: float) -> str:
 
 def rounded_up(value: float) -> str:
     """The next number with two digits that is not below a positive value: 2.11e-7 → 2.2e-07."""
-    return f"{units.rounded_up(value):.1e}" if value > 0 else "0"
+    return f"{units.round_up_error(value):.1e}" if value > 0 else "0"
 
 
-def largest_error(forces: pd.DataFrame) -> float:
+def largest_simulation_error(forces: pd.DataFrame) -> float:
     """The largest estimated error of simulations, a fraction of the force."""
     return float((forces["force_error_n"] / forces["force_n"].abs()).max())
 
 
 def simulations_note(*forces: pd.DataFrame) -> str:
     """A line on the largest error estimate of simulations."""
-    largest = max(map(largest_error, forces))
+    largest = max(map(largest_simulation_error, forces))
     return f"Simulations: estimated error ≤ {rounded_up(largest)} of the force."
 
 
 def reynolds_limit(films: str) -> Limit:
     """The limit of validity in the modified Reynolds number of films of a kind."""
-    return next(limit for limit in LIMITS if limit.symbol == "Re" and limit.films == films)
+    return next(limit for limit in VALIDITY_LIMITS if limit.symbol == "Re" and limit.films == films)
 
 
 def inertia(config: Study) -> dict[str, Any]:
@@ -99,7 +99,7 @@ def inertia(config: Study) -> dict[str, Any]:
     }
 
 
-def beyond_note(config: Study) -> str:
+def validity_note(config: Study) -> str:
     """A line for a study whose gaps exceed the equation's validity; empty where none does."""
     per_square, most, beyond = inertia(config).values()
     h0_m = config.screen.h0_m.stop

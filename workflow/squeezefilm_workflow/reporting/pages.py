@@ -17,7 +17,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
 from squeezefilm_workflow.reporting.notes import five_digits, percent, rounded_up
 
-VERDICTS = {
+VERDICTS_OF_STYLE = {
     "good": ("agrees", "passed", "solved", "explains", "recommended"),
     "bad": ("differs", "failed", "killed"),
 }
@@ -36,7 +36,7 @@ class Page(NamedTuple):
     files: Mapping[str, pd.DataFrame | dict[str, Any] | str]
 
 
-def readable(table: pd.DataFrame) -> pd.DataFrame:
+def readable_table(table: pd.DataFrame) -> pd.DataFrame:
     """A table for people: fractions in percent, other numbers with five digits, names in words."""
     shown = table.astype(object)
     for name in map(str, table.select_dtypes("float")):
@@ -56,7 +56,7 @@ def markdown_table(table: pd.DataFrame) -> str:
 
 
 PAGES_FOLDER = Path(__file__).parent
-TEMPLATES = Environment(
+TEMPLATE_ENVIRONMENT = Environment(
     loader=FileSystemLoader([PAGES_FOLDER / "templates", PAGES_FOLDER / "explorer"]),
     # Markdown is escaped where it becomes HTML.
     autoescape=select_autoescape(["html", "rst"]),
@@ -65,15 +65,19 @@ TEMPLATES = Environment(
     lstrip_blocks=True,
     keep_trailing_newline=True,
 )
-TEMPLATES.filters |= {"percent": percent, "rounded_up": rounded_up, "table": markdown_table}
+TEMPLATE_ENVIRONMENT.filters |= {
+    "percent": percent,
+    "rounded_up": rounded_up,
+    "table": markdown_table,
+}
 
 
 def render(template: str, **values: Any) -> str:
     """A template of a page or of the explorer with its values filled in."""
-    return TEMPLATES.get_template(template).render(**values)
+    return TEMPLATE_ENVIRONMENT.get_template(template).render(**values)
 
 
-def body_of(markdown: str, *, folder: Path = Path()) -> Markup:
+def html_of_markdown(markdown: str, *, folder: Path = Path()) -> Markup:
     """Markdown as HTML in which nothing is taken for HTML; tables scroll by themselves.
 
     Cells that begin with a verdict are coloured, and pictures are within the page.
@@ -85,7 +89,7 @@ def body_of(markdown: str, *, folder: Path = Path()) -> Markup:
     """
     from markdown_it import MarkdownIt
 
-    def within(match: re.Match[str]) -> str:
+    def scrolling_table(match: re.Match[str]) -> str:
         path = folder / match[1]
         try:
             # In lines: docutils takes no long ones, and a page's data may have breaks.
@@ -95,13 +99,13 @@ def body_of(markdown: str, *, folder: Path = Path()) -> Markup:
         return f'<img src="data:image/png;base64,{data}"'
 
     body = str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
-    for colour, words in VERDICTS.items():
+    for colour, words in VERDICTS_OF_STYLE.items():
         for word in words:
             body = body.replace(f"<td>{word}", f'<td class="{colour}">{word}')
     body = body.replace("<table>", '<div class="table" tabindex="0"><table>')
     body = body.replace("</table>", "</table></div>")
     body = body.replace("<ul>\n<li><img", '<ul class="pictures">\n<li><img')
-    return Markup(re.sub('<img src="(.*?)"', within, body))
+    return Markup(re.sub('<img src="(.*?)"', scrolling_table, body))
 
 
 def write_page(markdown: str, page: Path | str, *, folder: Path = Path(), beyond: str = "") -> None:
@@ -114,5 +118,5 @@ def write_page(markdown: str, page: Path | str, *, folder: Path = Path(), beyond
     title, _, rest = markdown.partition("\n")
     if beyond and beyond not in markdown:
         markdown = f"{title}\n\n**{beyond}**\n{rest}"
-    body = body_of(markdown, folder=folder)
+    body = html_of_markdown(markdown, folder=folder)
     write_text(render("page.html", body=body, title=title.lstrip("# ")), page)

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from squeezefilm.errors import InputError, needing
-from squeezefilm.files import whole_file
+from squeezefilm.errors import InputError, requires_extra
+from squeezefilm.files import atomic_file
 from squeezefilm_workflow.reporting.figures import style
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 ANIMATION_SUFFIX = ".gif"
 PHASES_SHOWN = 8
 FRAMES_PER_SECOND = 16
-AXES = ("phase", "y", "x")
+FIELD_AXES = ("phase", "y", "x")
 
 
 def draw(path: Path | str, files: Sequence[Path]) -> None:
@@ -31,7 +31,7 @@ def draw(path: Path | str, files: Sequence[Path]) -> None:
     Raises InputError naming the file, where it cannot be read or holds something else.
     """
     field = read_field(path)
-    with style.settings():
+    with style.figure_style():
         for file in files:
             if file.suffix == ANIMATION_SUFFIX:
                 save_animation(field, file)
@@ -44,7 +44,7 @@ def read_field(path: Path | str) -> Dataset:
 
     Raises InputError naming the file, where it cannot be read or holds something else.
     """
-    with needing("fields", what="a pressure field"):
+    with requires_extra("fields", what="a pressure field"):
         import xarray
     try:
         field = xarray.load_dataset(path, engine="scipy")
@@ -54,9 +54,10 @@ def read_field(path: Path | str) -> Dataset:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: not readable as NetCDF: {reason}") from None
     for name in ("gauge_pressure", "gap"):
-        if name not in field or field[name].dims != AXES:
+        if name not in field or field[name].dims != FIELD_AXES:
             raise InputError(
-                f"{path}: no {name} over {', '.join(AXES)}, as `squeezefilm pressure` writes it"
+                f"{path}: no {name} over {', '.join(FIELD_AXES)}, as `squeezefilm pressure` "
+                f"writes it"
             )
     if missing := {"h0_m", "hv_m", "frequency_hz"} - set(field.attrs):
         raise InputError(f"{path}: the attribute {min(missing)} is missing")
@@ -77,16 +78,16 @@ def draw_sheet(field: Dataset) -> Figure:
     for axes in pictures.flat[len(shown) :]:
         axes.set_axis_off()
     for axes, values in zip(pictures.flat, shown, strict=False):
-        image = _picture(axes, values, reach=_reach(pressure))
+        image = _draw_instant(axes, values, reach=_scale_end(pressure))
         axes.set_title(f"{float(values['phase']):.0f}°")
     upper.colorbar(image, ax=pictures, label="gauge pressure (kPa)", shrink=0.8)
     middle, period = lower.subplots(1, 2, width_ratios=(1, 1.8))
     mean = pressure.mean("phase")
-    image = _picture(middle, mean, reach=_reach(mean))
+    image = _draw_instant(middle, mean, reach=_scale_end(mean))
     middle.set_title("mean over the period")
     lower.colorbar(image, ax=middle, label="kPa", shrink=0.8)
-    _over_the_period(period, field)
-    figure.suptitle(_title(field))
+    _draw_means_over_period(period, field)
+    figure.suptitle(_figure_title(field))
     return figure
 
 
@@ -94,30 +95,30 @@ def save_animation(field: Dataset, path: Path | str) -> None:
     """The whole period as a GIF, which goes round without a jump."""
     figure, axes = style.subplots(height_in=3.2)
     pressure = field["gauge_pressure"]
-    image = _picture(axes, pressure[0], reach=_reach(pressure))
+    image = _draw_instant(axes, pressure[0], reach=_scale_end(pressure))
     figure.colorbar(image, ax=axes, label="gauge pressure (kPa)")
     title = axes.set_title("")
-    figure.suptitle(_title(field))
+    figure.suptitle(_figure_title(field))
 
-    def show(instant: int) -> tuple[object, ...]:
+    def draw_frame(instant: int) -> tuple[object, ...]:
         image.set_data(pressure[instant])
         title.set_text(f"phase {float(field['phase'][instant]):.0f}°")
         return image, title
 
     style.freeze_layout(figure)  # once, not for every frame
-    film = FuncAnimation(figure, show, frames=pressure.sizes["phase"])  # type: ignore[arg-type]
-    with whole_file(path) as part:
+    film = FuncAnimation(figure, draw_frame, frames=pressure.sizes["phase"])  # type: ignore[arg-type]
+    with atomic_file(path) as part:
         named = part.with_suffix(ANIMATION_SUFFIX)  # the writer goes by a name's end
         film.save(named, PillowWriter(fps=FRAMES_PER_SECOND), dpi=150)
         named.rename(part)
 
 
-def _reach(pressure: DataArray) -> float:
+def _scale_end(pressure: DataArray) -> float:
     """The end of a scale about zero."""
     return float(np.abs(pressure).max()) or 1.0
 
 
-def _picture(axes: Axes, values: DataArray, *, reach: float) -> AxesImage:
+def _draw_instant(axes: Axes, values: DataArray, *, reach: float) -> AxesImage:
     """One instant of the field, with x to the right and y upwards, in millimetres."""
     x, y = (1e3 * values[name].to_numpy() for name in ("x", "y"))
     scale: dict[str, Any] = {"cmap": style.DIVERGING, "vmin": -reach, "vmax": reach}
@@ -128,7 +129,7 @@ def _picture(axes: Axes, values: DataArray, *, reach: float) -> AxesImage:
     return image
 
 
-def _over_the_period(axes: Axes, field: Dataset) -> None:
+def _draw_means_over_period(axes: Axes, field: Dataset) -> None:
     """Gauge pressure and gap, each the mean over the pad: places of its rim count by half."""
     ends = [np.where(np.arange(n) % (n - 1) == 0, 0.5, 1) for n in field["gap"].shape[1:]]
     weights = field["gap"][0].copy(data=np.outer(*ends))
@@ -144,6 +145,6 @@ def _over_the_period(axes: Axes, field: Dataset) -> None:
     axes.set(xlim=(0, 360), xticks=range(0, 361, 45), xlabel=label)
 
 
-def _title(field: Dataset) -> str:
+def _figure_title(field: Dataset) -> str:
     h0_um, hv_um = (1e6 * field.attrs[name] for name in ("h0_m", "hv_m"))
     return f"h0 {h0_um:.4g} µm, hv {hv_um:.4g} µm, {1e-3 * field.attrs['frequency_hz']:.4g} kHz"

@@ -20,9 +20,9 @@ from squeezefilm.tables import (
     read_ok_forces,
     read_scenes,
 )
-from squeezefilm_workflow.reporting.notes import beyond_note
+from squeezefilm_workflow.reporting.notes import validity_note
 
-MODELLING_ERROR = [f"modelling_error_{end}_percent" for end in ("lower", "upper")]
+MODELLING_ERROR_COLUMNS = [f"modelling_error_{end}_percent" for end in ("lower", "upper")]
 """Columns of a budget: the bounds of the modelling error."""
 
 
@@ -71,7 +71,7 @@ class Results:
 
     def validation(self, fit: str, plan: str) -> Mapping[str, Any]:
         """The errors of a fit on a plan."""
-        return self.summary(f"validation/{fit}_on_{plan}.json")
+        return self.read_json_file(f"validation/{fit}_on_{plan}.json")
 
     def errors(self, fit: str, plan: str) -> pd.DataFrame:
         """The relative error of a fit at each point of a plan."""
@@ -80,7 +80,7 @@ class Results:
 
     def budget(self, plan: str, *effects: str) -> pd.DataFrame:
         """Return the neglected effects on the forces of a plan, which has at least these."""
-        columns = (*MODELLING_ERROR, "unknown_effects", "included_effects")
+        columns = (*MODELLING_ERROR_COLUMNS, "unknown_effects", "included_effects")
         table = self.table(
             f"simulations/{plan}/error_budget.csv", "h0_m", "hv_m", *columns, *effects
         )
@@ -91,7 +91,7 @@ class Results:
         """Any table of the results, which has at least these columns."""
         return read_columns(self.folder / file, columns=columns)
 
-    def summary(self, file: str) -> Mapping[str, Any]:
+    def read_json_file(self, file: str) -> Mapping[str, Any]:
         """Any JSON file of the results."""
         return read_json(self.folder / file)
 
@@ -102,9 +102,9 @@ class Results:
         return pd.Series(table.loc[name])
 
     @property
-    def beyond(self) -> str:
+    def validity_note(self) -> str:
         """Return a note on films outside the equation's validity range; empty where they do not."""
-        return beyond_note(self.config)
+        return validity_note(self.config)
 
     def exists(self, file: str) -> bool:
         """Return whether a file is among the results."""

@@ -7,23 +7,23 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.columns import COLUMNS
-from squeezefilm.config.loading import changes_of_paper
+from squeezefilm.config.loading import differences_from_paper
 from squeezefilm.film.pad import net
 from squeezefilm.film.positions import POLAR, position_form
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import label_of
 from squeezefilm.provenance import provenance
-from squeezefilm.units import error_text, to_its_error
+from squeezefilm.units import error_text, round_to_error
 from squeezefilm_workflow.reporting.notes import (
     CLAIM_COLUMNS_SHOWN,
-    largest_error,
+    claims_verdict_note,
+    largest_simulation_error,
     percent,
     rounded_up,
     signed,
-    verdicts,
 )
-from squeezefilm_workflow.reporting.pages import Page, body_of, render
-from squeezefilm_workflow.reporting.results import MODELLING_ERROR, Results
+from squeezefilm_workflow.reporting.pages import Page, html_of_markdown, render
+from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
 
 EFFECT_COLUMNS = (
     *("inertia", "slip", "thermal", "edge_loss"),
@@ -41,9 +41,9 @@ def summary_page(results: Results, *, pictures: Mapping[str, str], **about: Sequ
     """
     values = summary_values(results, **about) | {"pictures": pictures}
     guide = "paper_guide.rst" if results.config.paper else "study_guide.rst"
-    body = body_of(render("in_short.md", **values), folder=results.folder)
+    body = html_of_markdown(render("in_short.md", **values), folder=results.folder)
     front = render("front.rst", study=results.config.study, body=body, guide=guide)
-    device = results.summary("simulations/device.json")
+    device = results.read_json_file("simulations/device.json")
     facts = provenance(results.config.sections(), device=device)
     return Page(values, {"front": front, "provenance": facts})
 
@@ -71,18 +71,21 @@ def summary_values(
         if on_disc
         else "x and y from the surface's centre",
         "total": sum(len(table) for table in tables.values()),
-        "plans": pd.DataFrame([_plan(plan, table) for plan, table in tables.items()]),
-        "variant": ", ".join(changes_of_paper(config)),
+        "plans": pd.DataFrame([_plan_summary(plan, table) for plan, table in tables.items()]),
+        "variant": ", ".join(differences_from_paper(config)),
         "settings": settings.rename_axis("setting").reset_index(name="value"),
         "tolerance": f"{config.solver.tolerance:g}",
-        "largest_error": max(map(largest_error, tables.values())),
+        "largest_error": max(map(largest_simulation_error, tables.values())),
         "methods": sorted({method for table in tables.values() for method in table["method"]}),
-        "device": results.summary("simulations/device.json").get("device", "unknown"),
+        "device": results.read_json_file("simulations/device.json").get("device", "unknown"),
         "profile_uncertainty": max(results.fit(fit).profile_uncertainty for fit in fits),
         "errors": pd.DataFrame(
-            [*_recommended(results), *(_errors(results, pair) for pair in pairs)]
+            [
+                *_recommended_model_errors(results),
+                *(_validation_errors(results, pair) for pair in pairs),
+            ]
         ),
-        "effects": _effects(results),
+        "effects": _effect_rows(results),
     }
 
 
@@ -97,14 +100,16 @@ def headline_values(results: Results) -> dict[str, Any]:
     forces = results.forces("extrapolation").set_index("point_id")
     point = results.row(forces, "operating_point", file)
     if results.exists("profile/summary.json"):
-        noise = results.summary("profile/summary.json").get("largest_force_noise_fraction", 0.0)
+        noise = results.read_json_file("profile/summary.json").get(
+            "largest_force_noise_fraction", 0.0
+        )
     if not config.paper:
         columns = ("space", "model", "validation_error", "force_n")
         recommended = results.table("models/recommended.csv", *columns).dropna(subset="model")
     return {
         "study": config.study,
         "point": point,
-        "force": "{} N ± {} N".format(*to_its_error(point["force_n"], point["force_error_n"])),
+        "force": "{} N ± {} N".format(*round_to_error(point["force_n"], point["force_error_n"])),
         "noise": noise,
         "under": np.abs(film.pad_profile.amplitude(*net(film.pad), x_m=0.0, y_m=0.0)),
         "extremes": list(mapped.iloc[[-1, 0]].itertuples()),
@@ -113,54 +118,56 @@ def headline_values(results: Results) -> dict[str, Any]:
         "on_map": results.validation("two_factor_design", "error_map"),
         "fitted": results.fit("two_factor_design").points,
         "judged": results.validation("two_factor_design", "screen"),
-        "claims": verdicts(results.table("claims.csv", *CLAIM_COLUMNS_SHOWN))
+        "claims": claims_verdict_note(results.table("claims.csv", *CLAIM_COLUMNS_SHOWN))
         if config.paper
         else None,
         "recommended": recommended,
-        "measured": config.measurements and results.summary("measurements/summary.json"),
-        "amplitudes": _amplitudes,
+        "measured": config.measurements and results.read_json_file("measurements/summary.json"),
+        "amplitudes": _amplitude_rows,
         "target": config.extrapolation,
-        "neglected": _neglected(results),
-        "beyond": results.beyond,
+        "neglected": _modelling_error_bounds(results),
+        "beyond": results.validity_note,
     }
 
 
-def _amplitudes(table: pd.DataFrame) -> pd.DataFrame:
+def _amplitude_rows(table: pd.DataFrame) -> pd.DataFrame:
     """The amplitude for the target force at each position, and the error of that force."""
     amplitudes = zip(1e6 * table["hv_m"], 1e6 * table["hv_error_95_m"], strict=True)
     shown = [
-        to_its_error(*value_and_error)[0] if np.isfinite(value_and_error[0]) else "none"
+        round_to_error(*value_and_error)[0] if np.isfinite(value_and_error[0]) else "none"
         for value_and_error in amplitudes
     ]
     error = table["error_95_percent"].map(lambda percentage: f"{error_text(percentage)} %")
     return pd.DataFrame(
         {
             "model": table["model"],
-            **{name: values.map("{:.4g}".format) for name, values in _positions(table).items()},
+            **{
+                name: values.map("{:.4g}".format) for name, values in _position_texts(table).items()
+            },
             "hv (µm)": shown,
             "95 % error": error.where(table["error_95_percent"].notna(), table["note"]),
         }
     )
 
 
-def _positions(table: pd.DataFrame) -> dict[str, pd.Series]:
+def _position_texts(table: pd.DataFrame) -> dict[str, pd.Series]:
     """The pad's positions by name and unit."""
     return {
-        f"{column.text_symbol} ({column.shown_unit})": column.shown(table[column.name])
+        f"{column.text_symbol} ({column.shown_unit})": column.in_shown_unit(table[column.name])
         for column in map(COLUMNS.__getitem__, position_form(table))
     }
 
 
-def _neglected(results: Results) -> dict[str, Any] | None:
+def _modelling_error_bounds(results: Results) -> dict[str, Any] | None:
     """Return the bounds of the modelling error over the screen; None where they are not known."""
     table = results.budget("screen")
-    ends = table[MODELLING_ERROR].to_numpy(dtype=float)
+    ends = table[MODELLING_ERROR_COLUMNS].to_numpy(dtype=float)
     if not np.isfinite(ends).all():
         return None
     return {"lower": signed(ends.min()), "upper": signed(ends.max())}
 
 
-def _effects(results: Results) -> pd.DataFrame:
+def _effect_rows(results: Results) -> pd.DataFrame:
     """Each effect at the screen's least and largest gap, at its largest amplitude."""
     table = results.budget("screen")
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
@@ -183,18 +190,18 @@ def _terms(gas: Gas, tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
             yield f"{label_of(name)}{where}"
 
 
-def _plan(plan: str, table: pd.DataFrame) -> dict[str, str]:
+def _plan_summary(plan: str, table: pd.DataFrame) -> dict[str, str]:
     columns = {"h0 (µm)": 1e6 * table["h0_m"], "hv (µm)": 1e6 * table["hv_m"]}
-    columns |= _positions(table) | {"F (N)": table["force_n"]}
+    columns |= _position_texts(table) | {"F (N)": table["force_n"]}
     return {
         "plan": plan,
         "simulations": str(len(table)),
-        **{name: _range(values) for name, values in columns.items()},
-        "largest relative error of F, estimated": rounded_up(largest_error(table)),
+        **{name: _column_range(values) for name, values in columns.items()},
+        "largest relative error of F, estimated": rounded_up(largest_simulation_error(table)),
     }
 
 
-def _errors(results: Results, pair: str) -> dict[str, str]:
+def _validation_errors(results: Results, pair: str) -> dict[str, str]:
     fit, _, plan = pair.partition("_on_")
     errors = results.validation(fit, plan)
     inside, band = 100 * errors["fraction_within_band"], 100 * errors["band"]
@@ -208,7 +215,7 @@ def _errors(results: Results, pair: str) -> dict[str, str]:
     }
 
 
-def _recommended(results: Results) -> Iterator[dict[str, str]]:
+def _recommended_model_errors(results: Results) -> Iterator[dict[str, str]]:
     """Yield the errors of the recommended models, none of which the paper's study has."""
     if results.config.paper:
         return
@@ -223,7 +230,7 @@ def _recommended(results: Results) -> Iterator[dict[str, str]]:
         }
 
 
-def _range(column: pd.Series) -> str:
+def _column_range(column: pd.Series) -> str:
     """Range from the least to the largest; values that are negligible beside the largest are 0."""
     low, high = float(column.min()), float(column.max())
     low = 0.0 if abs(low) < NEGLIGIBLE_FRACTION * abs(high) else low

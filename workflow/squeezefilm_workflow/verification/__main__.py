@@ -2,7 +2,7 @@
 
 from squeezefilm.cli.main import main
 
-GROUPS = {
+COMMAND_GROUPS = {
     "The solver examined": {
         "squeezefilm_workflow.verification.random_studies": "random-studies",
         "squeezefilm_workflow.verification.modelling_errors": "modelling-errors auto-terms",
@@ -19,7 +19,7 @@ GROUPS = {
 
 def verification() -> int:
     """Run one command that examines the solver and return its exit status."""
-    return main(groups=GROUPS)
+    return main(groups=COMMAND_GROUPS)
 
 
 if __name__ == "__main__":

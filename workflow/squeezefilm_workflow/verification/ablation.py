@@ -23,30 +23,33 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.plan import plan_of
-from squeezefilm.reynolds.terms import TERMS
+from squeezefilm.reynolds.terms import TERM_CLASSES
 from squeezefilm.solution import Solutions
-from squeezefilm_workflow.verification.numpy_periodic import periodic_state
-from squeezefilm_workflow.verification.work_precision import measure
+from squeezefilm_workflow.verification.numpy_periodic import periodic_mean_force
+from squeezefilm_workflow.verification.work_precision import measure_call_times
 
 # A grid that is fine enough for every scene of the paper's space, and the one it is checked with.
-ONE_FOR_ALL = (
+COMMON_GRIDS = (
     Grid(nx=28, ny=28, nt=16, fold_x=False, fold_y=False),
     Grid(nx=32, ny=32, nt=20, fold_x=False, fold_y=False),
 )
-AS_NEEDED = "nothing"
+NOTHING_DISABLED = "nothing"
 # What puts a term back, by its name: numbers of the scene's pad, gap or gas.
-NEGLIGIBLE_FRACTION = 1e-14
+NEGLIGIBLE_TERM_FRACTION = 1e-14
 NEGLIGIBLE_TERM_KEYS: dict[str, dict[str, Any]] = {
-    "any_gap": {"crown_m": NEGLIGIBLE_FRACTION * 1e-6},
-    "bearing": {"speed_x_m_per_s": NEGLIGIBLE_FRACTION},
-    "rarefaction": {"rarefaction": "fukui-kaneko", "mean_free_path_m": NEGLIGIBLE_FRACTION * 1e-6},
-    "polytropic": {"polytropic_exponent": 1 + NEGLIGIBLE_FRACTION},
-    "inertia": {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE_FRACTION},
-    "thermal": {"thermal": "included", "prandtl": NEGLIGIBLE_FRACTION},
+    "any_gap": {"crown_m": NEGLIGIBLE_TERM_FRACTION * 1e-6},
+    "bearing": {"speed_x_m_per_s": NEGLIGIBLE_TERM_FRACTION},
+    "rarefaction": {
+        "rarefaction": "fukui-kaneko",
+        "mean_free_path_m": NEGLIGIBLE_TERM_FRACTION * 1e-6,
+    },
+    "polytropic": {"polytropic_exponent": 1 + NEGLIGIBLE_TERM_FRACTION},
+    "inertia": {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE_TERM_FRACTION},
+    "thermal": {"thermal": "included", "prandtl": NEGLIGIBLE_TERM_FRACTION},
 }
 REFERENCE_TOLERANCE = 1e-9
 # Share of a tolerance that Newton's iteration may leave on one grid for all.
-ITERATION_FRACTION = 0.2
+ITERATION_ERROR_FRACTION = 0.2
 
 
 def ablation(
@@ -59,26 +62,29 @@ def ablation(
     has none, nor the points that tight tolerances ask for.
     """
     periodic = partial(solve, method="periodic", device=device)
-    one_grid = partial(_on_one_grid, device=device)
-    with_all = _with(scenes, dict(ChainMap(*NEGLIGIBLE_TERM_KEYS.values())))
-    ways: dict[str, tuple[Callable[..., Forces | Solutions], Sequence[Scene]]] = {
-        AS_NEEDED: (partial(solve, device=device), scenes),
+    one_grid = partial(_solve_on_common_grids, device=device)
+    with_all = _with_changed_numbers(scenes, dict(ChainMap(*NEGLIGIBLE_TERM_KEYS.values())))
+    ways: dict[str, tuple[Callable[..., StatedForces | Solutions], Sequence[Scene]]] = {
+        NOTHING_DISABLED: (partial(solve, device=device), scenes),
         "time (always periodic)": (periodic, scenes),
-        "symmetry": (partial(_on_whole_pads, device=device), scenes),
+        "symmetry": (partial(_solve_on_whole_pads, device=device), scenes),
         **{
-            kind.ABSENT.name: (periodic, _with(scenes, NEGLIGIBLE_TERM_KEYS[kind.NAME]))
-            for kind in TERMS
-            if kind.ABSENT
+            kind.ABSENT_TERM.name: (
+                periodic,
+                _with_changed_numbers(scenes, NEGLIGIBLE_TERM_KEYS[kind.NAME]),
+            )
+            for kind in TERM_CLASSES
+            if kind.ABSENT_TERM
         },
         "finest modes for all": (one_grid, scenes),
         "everything": (one_grid, with_all),
-        "everything, in NumPy": (_in_numpy, scenes),
+        "everything, in NumPy": (_solve_in_numpy, scenes),
     }
     exact = periodic(scenes, tolerance=REFERENCE_TOLERANCE).force_n
     rows = []
     for tolerance, (re_enabled, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        found, (_, cpu_s, _) = measure(call, repeats=repeats, long_seconds=np.inf)
+        found, (_, cpu_s, _) = measure_call_times(call, repeats=repeats, long_seconds=np.inf)
         error, stated = np.abs(found.force_n - exact), found.force_error_n
         row = {
             "re_enabled": re_enabled,
@@ -89,30 +95,32 @@ def ablation(
         }
         rows.append(row)
     table = pd.DataFrame(rows)
-    needed = table[table["re_enabled"] == AS_NEEDED].set_index("tolerance")["cpu_s"]
+    needed = table[table["re_enabled"] == NOTHING_DISABLED].set_index("tolerance")["cpu_s"]
     ratio = table["cpu_s"] / table["tolerance"].map(needed)
     return table.assign(cpu_ratio=ratio, scenes=len(scenes))
 
 
-def _with(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
+def _with_changed_numbers(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
     """Return the scenes with changed numbers of pad, gap or gas."""
 
-    def changed(whole: Any) -> Any:
+    def with_changed_part(whole: Any) -> Any:
         return replace(whole, **{name: changes[name] for name in changes if hasattr(whole, name)})
 
-    pads = [replace(changed(each.pad), gap=changed(each.pad.gap)) for each in scenes]
+    pads = [
+        replace(with_changed_part(each.pad), gap=with_changed_part(each.pad.gap)) for each in scenes
+    ]
     pairs = zip(scenes, pads, strict=True)
-    return [replace(scene, pad=pad, gas=changed(scene.gas)) for scene, pad in pairs]
+    return [replace(scene, pad=pad, gas=with_changed_part(scene.gas)) for scene, pad in pairs]
 
 
-class Forces(NamedTuple):
+class StatedForces(NamedTuple):
     """Forces of scenes and their stated errors."""
 
     force_n: np.ndarray
     force_error_n: np.ndarray
 
 
-def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
+def _solve_on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
     whole = np.zeros(len(scenes), dtype=bool)
     plan = replace(plan_of(scenes), fold_x=whole, fold_y=whole)
     solutions = Solutions.of_method("periodic", len(plan.scenes))
@@ -120,17 +128,19 @@ def _on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device)
     return solutions
 
 
-def _on_one_grid(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Forces:
+def _solve_on_common_grids(
+    scenes: Sequence[Scene], *, tolerance: float, device: Device
+) -> StatedForces:
     """Every scene on the same two grids over the whole pad, each solved from rest."""
     coarse, fine = (
-        solve_batch(scenes, grid, tolerance=ITERATION_FRACTION * tolerance, device=device)
-        for grid in ONE_FOR_ALL
+        solve_batch(scenes, grid, tolerance=ITERATION_ERROR_FRACTION * tolerance, device=device)
+        for grid in COMMON_GRIDS
     )
     scale, stated = Scenes.of(scenes).force_scale_n, 2 * np.abs(fine.mean - coarse.mean)
-    return Forces(scale * fine.mean, scale * (stated + fine.results["residual"]))
+    return StatedForces(scale * fine.mean, scale * (stated + fine.results["residual"]))
 
 
-def _in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> Forces:
+def _solve_in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> StatedForces:
     """Forces of the uniform-gap equation on 24 × 24 × 16 points of the whole pad."""
-    means = np.array([periodic_state(each, tolerance=1e-4 * tolerance) for each in scenes])
-    return Forces(Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan))
+    means = np.array([periodic_mean_force(each, tolerance=1e-4 * tolerance) for each in scenes])
+    return StatedForces(Scenes.of(scenes).force_scale_n * means, np.full(len(scenes), np.nan))

@@ -3,7 +3,7 @@
 It shares the equations with the solver (squeezefilm/reynolds/terms: inertia, thermal) and nothing
 else: pressure, velocities and warming at collocation points in space, at all instants together.
 Derivatives are dense matrices, so that a disc's radius, a rectangle and an ellipse are sets of
-points (``points_of``). At the edge
+points (``points_of_scene``). At the edge
 
     P = 1 − C (σ Re/24) u²    where gas comes in at a mean velocity u,    P = 1 where it goes out,
 
@@ -24,20 +24,20 @@ from scipy.sparse.linalg import LinearOperator, gmres
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.rarefaction import FLOW_TABLE
-from squeezefilm_workflow.verification.marching import FloatArray, fold_of
+from squeezefilm_workflow.verification.marching import FloatArray, film_symmetry
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
-COMPLEX_STEP, NEWTON_STEPS, CONVERGED_CHANGE = 1e-30, 40, 1e-9
-KRYLOV_ITERATIONS, KRYLOV_TOLERANCE = 300, 1e-3
+COMPLEX_STEP, MAX_NEWTON_STEPS, CONVERGED_PRESSURE_CHANGE = 1e-30, 40, 1e-9
+MAX_KRYLOV_ITERATIONS, KRYLOV_TOLERANCE = 300, 1e-3
 # Most that a Newton step changes of a pressure, in p0.
-LARGEST_STEP = 0.4
+MAX_PRESSURE_STEP = 0.4
 # Twice the points along a disc's radius; points across another film that is even about no axis,
 # one or two; instants in a period (odd).
-RADIAL_POINTS, POINT_COUNTS, INSTANT_COUNT = 64, (24, 28, 36), 21
+RADIAL_POINT_COUNT, POINT_COUNTS, INSTANT_COUNT = 64, (24, 28, 36), 21
 # Share of the points on the coarser grid, that of the error estimate.
-COARSER_RATIO = 0.8
+COARSER_GRID_RATIO = 0.8
 # Velocity at the edge, over ε/√σ, within which gas neither comes in nor goes out.
-REVERSING_VELOCITY = 0.1
+FLOW_REVERSAL_VELOCITY = 0.1
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Points:
         gradient, divergence: a matrix for each component of a vector.
         slopes: of each component of a velocity the derivatives along all axes.
         normal: outward at the edge, 0 inside, (components, points).
-        corner: where two sides meet.
+        is_corner: where two sides meet.
     """
 
     x: FloatArray
@@ -60,23 +60,23 @@ class Points:
     divergence: tuple[FloatArray, ...]
     slopes: tuple[tuple[FloatArray, ...], ...]
     normal: FloatArray
-    corner: np.ndarray
+    is_corner: np.ndarray
 
     @property
     def on_edge_mask(self) -> np.ndarray:
         return np.any(self.normal != 0, axis=0)
 
 
-def points_of(scene: Scene, count: int) -> Points:
+def points_of_scene(scene: Scene, count: int) -> Points:
     """Return points for a pad, of an even film those of one half; along the radius of a disc.
 
     Args:
         count: even, points across the pad, or twice those along a radius.
     """
     if is_axisymmetric(scene):
-        return _radius(count)
-    of_shape = {"rectangle": _rectangle, "ellipse": _ellipse}[scene.pad.shape]
-    return _half_points(of_shape(scene.aspect, count), *fold_of(scene))
+        return _chebyshev_radius(count)
+    of_shape = {"rectangle": _rectangle_points, "ellipse": _ellipse_points}[scene.pad.shape]
+    return _half_points(of_shape(scene.aspect, count), *film_symmetry(scene))
 
 
 def is_axisymmetric(scene: Scene) -> bool:
@@ -89,22 +89,22 @@ def is_axisymmetric(scene: Scene) -> bool:
     return bool(np.ptp(gap, axis=1).max() < 1e-12)
 
 
-def _line(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _chebyshev_line(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points from −1/2 to 1/2, the matrix of the derivative, and weights."""
     grid = chebyshev_grid(count - 2)
     return grid.x - 0.5, grid.first, grid.weights
 
 
-def _radius(count: int) -> Points:
-    x, first, _ = _line(count)
+def _chebyshev_radius(count: int) -> Points:
+    x, first, _ = _chebyshev_line(count)
     half = count // 2
     same, other = first[half:, half:], first[half:, half - 1 :: -1]
     r, even, odd = x[half:], same + other, same - other
     on_edge = (np.arange(half) == half - 1).astype(float)
     # r is no polynomial over a whole diameter: its mean is taken at points along a radius.
-    along, _, weights = _line(2 * count)
+    along, _, weights = _chebyshev_line(2 * count)
     finer = (along + 0.5) / 2
-    over_disc = (4 * finer * weights) @ _interpolation(x, finer)
+    over_disc = (4 * finer * weights) @ _chebyshev_interpolation(x, finer)
     return Points(
         r + 0.5,
         np.full(half, 0.5),
@@ -117,7 +117,7 @@ def _radius(count: int) -> Points:
     )
 
 
-def _interpolation(nodes: FloatArray, points: FloatArray) -> FloatArray:
+def _chebyshev_interpolation(nodes: FloatArray, points: FloatArray) -> FloatArray:
     """Matrix from values at Chebyshev points to values elsewhere."""
     degree = np.arange(len(nodes))
 
@@ -127,8 +127,8 @@ def _interpolation(nodes: FloatArray, points: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.solve(polynomials(nodes).T, polynomials(points).T).T)
 
 
-def _rectangle(aspect: float, count: int) -> Points:
-    x, first, weights = _line(count)
+def _rectangle_points(aspect: float, count: int) -> Points:
+    x, first, weights = _chebyshev_line(count)
     one = np.eye(count)
     along: tuple[FloatArray, ...] = (
         np.asarray(np.kron(first, one)),
@@ -143,22 +143,22 @@ def _rectangle(aspect: float, count: int) -> Points:
     return Points(on_x + 0.5, on_y + 0.5, area, along, along, (along, along), normal, corner)
 
 
-def _ellipse(aspect: float, count: int) -> Points:
+def _ellipse_points(aspect: float, count: int) -> Points:
     """Points on half of as many radii as instants of a turn, through the centre."""
-    x, first, _ = _line(count)
+    x, first, _ = _chebyshev_line(count)
     half, turns = count // 2, 4 * (count // 4)
     r = np.repeat(x[half:], turns)
     angle = np.tile(2 * pi * (np.arange(turns) + 0.5) / turns, half)
     opposite = np.roll(np.eye(turns), turns // 2, axis=1)
     outwards = np.kron(first[half:, half:], np.eye(turns))
     outwards += np.kron(first[half:, half - 1 :: -1], opposite)
-    around = np.kron(np.eye(half), _in_time(turns).T) / r[:, None]
+    around = np.kron(np.eye(half), _time_derivative_matrix(turns).T) / r[:, None]
     cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
     along = (
         np.asarray(cosine * outwards - sine * around),
         np.asarray((sine * outwards + cosine * around) / aspect),
     )
-    radial = _radius(count).weights
+    radial = _chebyshev_radius(count).weights
     normal = np.stack([np.cos(angle), np.sin(angle) / aspect]) * (r == 0.5)
     normal /= np.maximum(np.hypot(*normal), 1e-300)
     on_x, on_y = 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
@@ -182,11 +182,11 @@ def _half_points(points: Points, even_x: bool, even_y: bool) -> Points:
         tuple(along[kept] @ values for along in axes),
         tuple(along[kept] @ of for along, of in zip(axes, odd, strict=True)),
         tuple(tuple(along[kept] @ of for along in axes) for of in odd),
-        *(points.normal[:, kept], points.corner[kept]),
+        *(points.normal[:, kept], points.is_corner[kept]),
     )
 
 
-def _in_time(instants: int) -> FloatArray:
+def _time_derivative_matrix(instants: int) -> FloatArray:
     """Return the matrix by which values over a turn are multiplied for their derivative."""
     waves = np.fft.rfft(np.eye(instants))
     order = 1j * np.arange(waves.shape[1])
@@ -196,13 +196,13 @@ def _in_time(instants: int) -> FloatArray:
 
 
 @cache
-def _rarefied_flow() -> CubicSpline:
+def _rarefied_flow_function() -> CubicSpline:
     """Return what rarefaction adds to the flow Q, D/6 of a viscous gas, by ln D."""
     inverse, flow = np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1, unpack=True)
     return CubicSpline(np.log(inverse), flow - inverse / 6)
 
 
-def _along(matrix: FloatArray, field: np.ndarray) -> np.ndarray:
+def _apply_along_points(matrix: FloatArray, field: np.ndarray) -> np.ndarray:
     """Return a real matrix times a real or complex field."""
     if not np.iscomplexobj(field):
         return matrix @ field
@@ -227,7 +227,7 @@ class Effects:
 
 
 @dataclass(frozen=True)
-class FilmWithEffects:
+class FilmOnPoints:
     """A scene on one grid, states of shape (1 + components + 1, points, instants).
 
     A state is P − 1, the mean velocities over l0 ω, and the warming by compression.
@@ -245,7 +245,7 @@ class FilmWithEffects:
 
     @cached_property
     def in_time(self) -> FloatArray:
-        return _in_time(self.instants)
+        return _time_derivative_matrix(self.instants)
 
     @cached_property
     def numbers(self) -> dict[str, float]:
@@ -263,7 +263,7 @@ class FilmWithEffects:
             * scene.knudsen
             * (effects.slip != "none"),
             "loss": effects.edge_coefficient * reynolds * scene.sigma / 24,
-            "reversing": REVERSING_VELOCITY
+            "reversing": FLOW_REVERSAL_VELOCITY
             * max(scene.epsilon, 1e-9)
             / sqrt(max(scene.sigma, 16.0)),
         }
@@ -275,7 +275,7 @@ class FilmWithEffects:
             length = self.scene.gas.slip_coefficient * knudsen if slip == "first-order" else 0.0
             return np.full(mass.shape, length)
         inverse = self.scene.inverse_knudsen
-        flow, logarithm = _rarefied_flow(), np.log(inverse * mass.real)
+        flow, logarithm = _rarefied_flow_function(), np.log(inverse * mass.real)
         length = flow(logarithm)
         if np.iscomplexobj(mass):  # a complex step
             length = length + 1j * flow(logarithm, 1) * mass.imag / mass.real
@@ -299,10 +299,11 @@ class FilmWithEffects:
         momentum = velocity.copy()
         for i, u in enumerate(velocity):
             carried = sum(
-                v * _along(slope, u) for v, slope in zip(velocity, at.slopes[i], strict=True)
+                v * _apply_along_points(slope, u)
+                for v, slope in zip(velocity, at.slopes[i], strict=True)
             )
             momentum[i] += lag * (rates[i] + 9 / 7 * carried - u * filling / 7)
-            momentum[i] += mobility * _along(at.gradient[i], excess)
+            momentum[i] += mobility * _apply_along_points(at.gradient[i], excess)
         energy = warm + n["thermal_lag"] * gap * (pressure * gap + 4 * n["jump"]) * self.rate(warm)
         energy -= n["heating"] / 12 * gap * (gap + 6 * n["jump"] / pressure) * excess_rate
         cool = n["heating"] * sigma / 20 * np.sum(velocity**2, axis=0)
@@ -313,7 +314,7 @@ class FilmWithEffects:
             beside = lag * (9 / 7 * hot * rates[i] + u * self.rate(hot) / 7) - u * slower
             sliding = self.scene.bearing_number / sigma if i == 0 else 0.0
             flow = pressure * gap * (u + beside + sliding)
-            mass = mass + _along(at.divergence[i], flow)
+            mass = mass + _apply_along_points(at.divergence[i], flow)
         self._set_edge_conditions(excess, velocity, mass, momentum)
         return np.concatenate([mass[None], momentum, energy[None]])
 
@@ -321,7 +322,7 @@ class FilmWithEffects:
         self, excess: np.ndarray, velocity: np.ndarray, mass: np.ndarray, momentum: np.ndarray
     ) -> None:
         """Put the conditions at the edge into the residuals of mass and momentum."""
-        edge_rows, corner = self.points.on_edge_mask, self.points.corner
+        edge_rows, corner = self.points.on_edge_mask, self.points.is_corner
         normal = self.points.normal[:, edge_rows, None]
         out = np.sum(normal * velocity[:, edge_rows], axis=0)
         inflow = np.where(out.real < 0, out, 0.0)
@@ -346,7 +347,7 @@ class FilmWithEffects:
             shape = 2 + len(self.points.gradient), len(self.points.x), self.instants
             state = np.zeros(shape)
         precondition = self._preconditioner(state)
-        for _ in range(NEWTON_STEPS):
+        for _ in range(MAX_NEWTON_STEPS):
             residual = precondition(self.residual(state))
 
             def derivative(change: FloatArray, at: FloatArray = state) -> FloatArray:
@@ -358,13 +359,13 @@ class FilmWithEffects:
                 matrix,
                 -residual.ravel(),
                 rtol=KRYLOV_TOLERANCE,
-                restart=KRYLOV_ITERATIONS,
+                restart=MAX_KRYLOV_ITERATIONS,
                 maxiter=1,
             )
             change = change.reshape(state.shape)
             size = np.abs(change[0]).max()
-            state = state + change * min(1.0, LARGEST_STEP / size)
-            if size < CONVERGED_CHANGE:
+            state = state + change * min(1.0, MAX_PRESSURE_STEP / size)
+            if size < CONVERGED_PRESSURE_CHANGE:
                 return state
             if not np.isfinite(size):
                 break
@@ -395,12 +396,12 @@ class FilmWithEffects:
             system[edge_rows] = np.eye(len(edge_rows))[edge_rows]
             systems.append(lu_factor(system))
 
-        def in_harmonics(field: FloatArray, factor: np.ndarray) -> FloatArray:
+        def multiply_harmonics(field: FloatArray, factor: np.ndarray) -> FloatArray:
             return np.asarray(np.fft.irfft(factor * np.fft.rfft(field), n=self.instants))
 
-        def apply(residual: FloatArray) -> FloatArray:
-            velocity = [in_harmonics(component, 1 / inert) for component in residual[1:-1]]
-            mass = residual[0] + self.rate(in_harmonics(residual[-1], 1 / still))
+        def apply_inverse(residual: FloatArray) -> FloatArray:
+            velocity = [multiply_harmonics(component, 1 / inert) for component in residual[1:-1]]
+            mass = residual[0] + self.rate(multiply_harmonics(residual[-1], 1 / still))
             for u, div in zip(velocity, at.divergence, strict=True):
                 mass = mass - div @ (pressure * gap * u)
             mass[edge_rows] = residual[0][edge_rows] * gap[edge_rows]
@@ -408,17 +409,22 @@ class FilmWithEffects:
             columns = [lu_solve(lu, waves[:, k]) for k, lu in enumerate(systems)]
             rise = np.fft.irfft(np.stack(columns, axis=-1), n=self.instants) / gap
             for i, grad in enumerate(at.gradient):
-                velocity[i] = velocity[i] - in_harmonics(mobility * (grad @ rise), 1 / inert)
+                velocity[i] = velocity[i] - multiply_harmonics(mobility * (grad @ rise), 1 / inert)
             heat = residual[-1] + n["heating"] / 12 * gap**2 * self.rate(rise)
-            return np.stack([rise, *velocity, in_harmonics(heat, 1 / still)])
+            return np.stack([rise, *velocity, multiply_harmonics(heat, 1 / still)])
 
-        return apply
+        return apply_inverse
 
 
-def grids_of(scene: Scene) -> list[tuple[int, int]]:
+def grid_sizes_of_scene(scene: Scene) -> list[tuple[int, int]]:
     """Return points and instants of the grid for a scene and of a coarser one."""
-    points = RADIAL_POINTS if is_axisymmetric(scene) else POINT_COUNTS[sum(fold_of(scene))]
-    return [(points, INSTANT_COUNT), (4 * round(COARSER_RATIO * points / 4), INSTANT_COUNT - 4)]
+    points = (
+        RADIAL_POINT_COUNT if is_axisymmetric(scene) else POINT_COUNTS[sum(film_symmetry(scene))]
+    )
+    return [
+        (points, INSTANT_COUNT),
+        (4 * round(COARSER_GRID_RATIO * points / 4), INSTANT_COUNT - 4),
+    ]
 
 
 def force_on_grid(scene: Scene, effects: Effects, *, points: int, instants: int) -> float:
@@ -435,9 +441,9 @@ def forces_on_grid(
         points: even, across the pad, or twice those along the radius of a disc.
         instants: in a period, an odd number.
     """
-    grid, state, forces_n = points_of(scene, points), None, []
+    grid, state, forces_n = points_of_scene(scene, points), None, []
     for effects_of_film in effects:
-        film = FilmWithEffects(scene, effects_of_film, grid, instants)
+        film = FilmOnPoints(scene, effects_of_film, grid, instants)
         state = film.solve(state)
         forces_n.append(film.mean(state) * scene.force_scale_n)
     return forces_n

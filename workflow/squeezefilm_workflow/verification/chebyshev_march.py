@@ -20,7 +20,7 @@ from scipy.integrate import solve_ivp
 
 from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm_workflow.verification.marching import FloatArray, fold_of, march_to_periodic
+from squeezefilm_workflow.verification.marching import FloatArray, film_symmetry, march_to_periodic
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
 
@@ -33,7 +33,7 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
     Raises RunError when Radau gives up.
     """
     epsilon, sigma = scene.epsilon, scene.sigma
-    x_side, y_side = (_Side(points, folded) for folded in fold_of(scene))
+    x_side, y_side = (_SquareSide(points, folded) for folded in film_symmetry(scene))
     s_edge = scene.amplitude(*np.meshgrid(x_side.grid.x, y_side.grid.x, indexing="ij"))
     x_matrix, y_matrix = x_side.grid.first, y_side.grid.first
     slope = (x_matrix @ s_edge) ** 2 + (s_edge @ y_matrix.T) ** 2
@@ -44,13 +44,13 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
     plane = (x_side.kept.size, y_side.kept.size)
     laplacian = np.kron(x_side.second, np.eye(plane[1])) + np.kron(np.eye(plane[0]), y_side.second)
 
-    def film(t: float) -> tuple[FloatArray, FloatArray]:
+    def gap_and_its_rate(t: float) -> tuple[FloatArray, FloatArray]:
         wave = epsilon * math.sin(t)
         gap = 1 + wave * s
         return gap, 1.5 * wave * bend / gap + 0.75 * wave**2 * slope / gap**2
 
     def rate(t: float, state: FloatArray) -> FloatArray:
-        gap, c = film(t)
+        gap, c = gap_and_its_rate(t)
         pressure = state[:-1] / gap
         scale = gap**1.5
         v = scale * (pressure**2 - 1) / 2
@@ -59,7 +59,7 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
         return np.append(scale * (lap - c * v) / sigma, area @ (pressure - 1))
 
     def jacobian(t: float, state: FloatArray) -> FloatArray:
-        gap, c = film(t)
+        gap, c = gap_and_its_rate(t)
         scale = gap**1.5
         to_v = state[:-1] / np.sqrt(gap)
         matrix = np.zeros((state.size, state.size))
@@ -68,7 +68,7 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
         matrix[-1, :-1] = area / gap
         return matrix
 
-    def period(mass: FloatArray) -> tuple[FloatArray, float]:
+    def march_one_period(mass: FloatArray) -> tuple[FloatArray, float]:
         march = solve_ivp(
             rate,
             (0, 2 * math.pi),
@@ -85,10 +85,12 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
         return march.y[:-1, -1], float(march.y[-1, -1]) / (2 * math.pi)
 
     start, within = np.ones(s.size), rtol / 100
-    return march_to_periodic(period, start, tolerance=within, periods=30, anderson_depth=10)
+    return march_to_periodic(
+        march_one_period, start, tolerance=within, periods=30, anderson_depth=10
+    )
 
 
-class _Side:
+class _SquareSide:
     """One side of the square: its grid, the inner points kept, and their folded operators."""
 
     def __init__(self, points: int, folded: bool) -> None:

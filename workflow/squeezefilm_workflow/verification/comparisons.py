@@ -18,16 +18,16 @@ import pandas as pd
 from scipy.optimize import newton
 from scipy.stats import betabinom
 
-from squeezefilm.api.forces import Force, forces_of
+from squeezefilm.api.forces import Force, solve_forces
 from squeezefilm.api.models import Study
 from squeezefilm.dynamics.levitation import levitate
 from squeezefilm.dynamics.response import response
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.models.prediction_interval import NORMAL_QUANTILES, SCAN_LEVEL
+from squeezefilm.models.prediction_interval import NORMAL_QUANTILES, PROFILE_UNCERTAINTY_LEVEL
 from squeezefilm.quantities.model_error import ErrorBudget
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.space import space_of, table_of
+from squeezefilm.studies.space import space_of, table_of_points
 from squeezefilm_workflow.verification.reference import reference_force
 
 # Tolerances of direct solutions; the second with inertia or thermal effects, and under ellipses.
@@ -35,19 +35,24 @@ DIRECT_SOLVE_TOLERANCE, DIRECT_TOLERANCE_WITH_EFFECTS = 1e-7, 1e-5
 # What the flow factor adds to first-order slip, relative to the flow, for each unit of Kn.
 FLOW_FACTOR_PER_KNUDSEN = 1.5
 # Of films that the spectral elements resolve in seconds.
-REFERENCE_EPSILON, REFERENCE_SIGMA = 0.6, (1.0, 2e4)
+MAX_REFERENCE_EPSILON, REFERENCE_SIGMA_RANGE = 0.6, (1.0, 2e4)
 # Relative distance of the forces in difference quotients of fourth order.
 DIFFERENCE_STEP = 0.004
 # Gaps beyond one that levitates, at which the force must stay below the load.
-WIDEST_GAP_RATIO, WIDER_GAPS = 4.0, 12
+MAX_GAP_RATIO, WIDER_GAP_COUNT = 4.0, 12
 # Points outside the declared space, which no prediction interval may claim.
-POINTS_OUTSIDE = 20
+POINTS_OUTSIDE_SPACE = 20
 # Of the fresh points of the study of seed 0.
-FRESH_SEED = 10_000
-OUTCOMES = ("within", "sure and wrong", "outside, not stated as valid", "no direct solution")
+FRESH_POINTS_SEED = 10_000
+COMPARISON_OUTCOMES = (
+    "within",
+    "sure and wrong",
+    "outside, not stated as valid",
+    "no direct solution",
+)
 
 
-def _over_limits(scene: Scene) -> dict[str, float]:
+def _numbers_over_limits(scene: Scene) -> dict[str, float]:
     """Numbers of a scene over values beyond which a force is not to be given without reserve.
 
     Flow around the edge is of the order of the gap over the pad; gas neither slips nor flows as a
@@ -91,21 +96,21 @@ class Comparison:
 
     @property
     def outcome(self) -> str:
-        """One of OUTCOMES."""
+        """One of COMPARISON_OUTCOMES."""
         if not isfinite(self.direct):
-            return OUTCOMES[3]
+            return COMPARISON_OUTCOMES[3]
         low, high = self.lower - self.direct_error, self.upper + self.direct_error
         if low <= self.direct <= high:
-            return OUTCOMES[0]
-        return OUTCOMES[1] if self.valid else OUTCOMES[2]
+            return COMPARISON_OUTCOMES[0]
+        return COMPARISON_OUTCOMES[1] if self.valid else COMPARISON_OUTCOMES[2]
 
 
-def _around(value: float, off: float) -> tuple[float, float]:
+def _interval_around(value: float, off: float) -> tuple[float, float]:
     """The interval of a value and by how much it may be off."""
     return value - off, value + off
 
 
-def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
+def compare_study(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     """All comparisons of a study but those of its models.
 
     Args:
@@ -114,19 +119,19 @@ def compared(study: Study, *, points: int, seed: int) -> Iterator[Comparison]:
     """
     settings = study.solver(outputs=())
     space = space_of(study.config, centred=False)
-    scenes = study.scenes(table_of(space.independent_sample(points, seed=seed), space))
-    forces = forces_of(scenes, settings=settings, smoothed=None, budget=True)
+    scenes = study.scenes(table_of_points(space.independent_sample(points, seed=seed), space))
+    forces = solve_forces(scenes, settings=settings, smoothed=None, budget=True)
     for force in forces:
-        yield from _of_force(force, study, valid=force.status == force.validity == "ok")
+        yield from _compare_force(force, study, valid=force.status == force.validity == "ok")
     for scene, force in zip(scenes, forces, strict=True):
         if force.status == "ok" and force.force_n > 0:
-            yield from _of_elements(force.scene, study)
-            yield from _of_levitation(scene, force.force_n, study)
-            yield from _of_response(force.scene, study)
+            yield from _compare_with_elements(force.scene, study)
+            yield from _compare_levitation(scene, force.force_n, study)
+            yield from _compare_response(force.scene, study)
             break
 
 
-def _where(scene: Scene) -> str:
+def _scene_text(scene: Scene) -> str:
     return (
         f"h0 {1e6 * scene.h0_m:.5g} µm, hv {1e6 * scene.hv_m:.5g} µm, x {1e3 * scene.x_m:.5g} mm, "
         f"y {1e3 * scene.y_m:.5g} mm; Re {scene.modified_reynolds:.2g}, Kn {scene.knudsen:.2g}"
@@ -138,11 +143,11 @@ def forces_and_errors(
 ) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
     settings = study.solver(tolerance=tolerance, outputs=())
-    solutions = solve(settings.resolved(scenes), **settings.how)
+    solutions = solve(settings.with_terms_decided(scenes), **settings.solve_arguments)
     return np.array([solutions.force_n, solutions.force_error_n])
 
 
-def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
+def _direct_forces(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     """Forces and errors by direct solutions with a tolerance far below the stated errors."""
     gas = scenes[0].gas
     plain = gas.inertia == gas.thermal == "none" and scenes[0].pad.shape == "rectangle"
@@ -154,14 +159,14 @@ def _direct(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     return forces
 
 
-def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
+def _direct_derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
     """The direct force, its error, its derivative to a number of the scene, and that one's error.
 
     By five values, of fourth order.
     """
     unit = getattr(scene, name)
     around: list[dict[str, Any]] = [{name: unit * (1 + DIFFERENCE_STEP * k)} for k in range(-2, 3)]
-    values, errors = _direct([replace(scene, **change) for change in around], study)
+    values, errors = _direct_forces([replace(scene, **change) for change in around], study)
     narrow, wide = (values[3] - values[1]) / 2, (values[4] - values[0]) / 4
     noise = (8 * (errors[1] + errors[3]) + errors[0] + errors[4]) / 12
     slope, off = (4 * narrow - wide) / 3, noise + (4 * DIFFERENCE_STEP) ** 2 * abs(wide - narrow)
@@ -170,24 +175,24 @@ def _derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
     )
 
 
-def _of_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
+def _compare_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
     """The force and its numerical error, then what the equation neglects."""
     scene, stated = force.scene, force.force_n
-    worst, number = max(_over_limits(scene).items(), key=itemgetter(1))
-    simulate = partial(Comparison, "simulate", note=_where(scene))
-    what, note = "numbers over limits of validity", f"{worst}; {_where(scene)}"
+    worst, number = max(_numbers_over_limits(scene).items(), key=itemgetter(1))
+    simulate = partial(Comparison, "simulate", note=_scene_text(scene))
+    what, note = "numbers over limits of validity", f"{worst}; {_scene_text(scene)}"
     yield simulate(what, -inf, 1.0, number, valid=valid, note=note)
     if not isfinite(stated):
         return
-    ((direct,), (error,)) = _direct([scene], study)
-    yield simulate("force / N", *_around(stated, force.error_n), direct, error, valid)
-    for name, with_them, change, off, usable in _neglected(scene, force.budget):
+    ((direct,), (error,)) = _direct_forces([scene], study)
+    yield simulate("force / N", *_interval_around(stated, force.error_n), direct, error, valid)
+    for name, with_them, change, off, usable in _neglected_effects(scene, force.budget):
         if with_them.gas.rarefaction != "none" and with_them.gas.inertia == "included":
             # Inertia is derived for first-order slip: its relative part is taken from there.
             full, error = _change_with_slip(scene, with_them, stated, study)
         else:
-            ((full,), (error,)) = _direct([with_them], study)
-        ends = _around(change * stated, off * abs(stated) + 2 * force.error_n)
+            ((full,), (error,)) = _direct_forces([with_them], study)
+        ends = _interval_around(change * stated, off * abs(stated) + 2 * force.error_n)
         yield simulate(f"{name} / N", *ends, full - stated, error, valid and usable)
 
 
@@ -196,29 +201,31 @@ def _change_with_slip(
 ) -> tuple[float, float]:
     """Force scaled by the relative change that terms make with first-order slip, and its error."""
     slipping = [each.with_gas(rarefaction="slip") for each in (scene, with_them)]
-    ((before,), (error,)), ((after,), (other,)) = (_direct([each], study) for each in slipping)
+    ((before,), (error,)), ((after,), (other,)) = (
+        _direct_forces([each], study) for each in slipping
+    )
     part = after / before - 1
     kinetic = 0.0 if scene.gas.rarefaction == "slip" else FLOW_FACTOR_PER_KNUDSEN * scene.knudsen
     off = abs(stated) * (abs(part) * kinetic + (error + other) / abs(before))
     return float(stated * (1 + part)), float(off)
 
 
-def _of_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
+def _compare_with_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The isothermal film without inertia, against spectral elements of other equations."""
     scene = scene.viscous().with_gas(rarefaction="none")
-    low, high = REFERENCE_SIGMA
+    low, high = REFERENCE_SIGMA_RANGE
     square = scene.pad.shape == "rectangle" and scene.aspect == 1
-    if not (square and scene.epsilon <= REFERENCE_EPSILON and low <= scene.sigma <= high):
+    if not (square and scene.epsilon <= MAX_REFERENCE_EPSILON and low <= scene.sigma <= high):
         return
     ((stated,), (error,)) = forces_and_errors([scene], study)
     reference = reference_force(scene, degree=14)
     direct_n = scene.force_scale_n * reference.force
     off_n = scene.force_scale_n * reference.uncertainty
-    simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_where(scene))
-    yield simulate("force by elements / N", *_around(stated, error), direct_n, off_n)
+    simulate = partial(Comparison, "simulate", valid=isfinite(stated), note=_scene_text(scene))
+    yield simulate("force by elements / N", *_interval_around(stated, error), direct_n, off_n)
 
 
-def _neglected(
+def _neglected_effects(
     scene: Scene, budget: ErrorBudget
 ) -> Iterator[tuple[str, Scene, float, float, bool]]:
     """Effects that a force does not have and the solver knows: the scene that has one, what it
@@ -246,43 +253,43 @@ def _neglected(
             yield name, scene.with_gas(**having), change, off, known
 
 
-def _of_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
+def _compare_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
     """Gap, stiffness and modelling error under a load."""
     settings = study.solver()
-    how = settings.how | {"model_tolerance": settings.model_tolerance}
+    how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
     try:
         levitation = levitate(scene, load_n=load_n, **how)
     except (InputError, RunError):
         return
     scene, h0_m, stiffness = levitation.scene, levitation.scene.h0_m, levitation.stiffness_n_per_m
-    stated = partial(Comparison, "levitate", note=f"load {load_n:.5g} N; {_where(scene)}")
-    direct_n, error_n, slope, slope_error = _derivative(scene, "h0_m", study)
+    stated = partial(Comparison, "levitate", note=f"load {load_n:.5g} N; {_scene_text(scene)}")
+    direct_n, error_n, slope, slope_error = _direct_derivative(scene, "h0_m", study)
     gap_m = h0_m - (direct_n - load_n) / slope
-    ends = _around(h0_m, levitation.h0_error_m)
+    ends = _interval_around(h0_m, levitation.h0_error_m)
     yield stated("gap / m", *ends, gap_m, error_n / abs(slope))
-    ends = _around(stiffness, levitation.stiffness_error_n_per_m)
+    ends = _interval_around(stiffness, levitation.stiffness_error_n_per_m)
     yield stated("stiffness / (N/m)", *ends, -slope, slope_error)
-    wider = np.geomspace(1.02 * h0_m, min(WIDEST_GAP_RATIO * h0_m, 1e-3), WIDER_GAPS)
+    wider = np.geomspace(1.02 * h0_m, min(MAX_GAP_RATIO * h0_m, 1e-3), WIDER_GAP_COUNT)
     there = [replace(scene, h0_m=float(gap)) for gap in wider]
     most = float(np.nanmax(forces_and_errors(there, study, tolerance=1e-3)[0], initial=-inf))
     yield stated("force at wider gaps / N", -inf, load_n, most)
-    for name, with_them, change, off, usable in _neglected(scene, levitation.budget):
+    for name, with_them, change, off, usable in _neglected_effects(scene, levitation.budget):
         change_m = load_n / stiffness * change
         off_m = load_n / abs(stiffness) * off + levitation.second_order_m(change_m)
-        ends = _around(h0_m + change_m, off_m + 2 * levitation.h0_error_m)
+        ends = _interval_around(h0_m + change_m, off_m + 2 * levitation.h0_error_m)
         numbers = (
             *ends,
-            _gap_under(with_them, load_n, study),
+            _direct_gap_under_load(with_them, load_n, study),
             2 * DIRECT_TOLERANCE_WITH_EFFECTS * h0_m,
         )
         yield stated(f"gap with {name} / m", *numbers, usable)
 
 
-def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
+def _direct_gap_under_load(scene: Scene, load_n: float, study: Study) -> float:
     """The gap near a scene's at which the force is the load; NaN where it is not found."""
 
-    def excess(gap_m: float) -> float:
-        force_n = float(_direct([replace(scene, h0_m=float(gap_m))], study)[0, 0])
+    def excess_force_n(gap_m: float) -> float:
+        force_n = float(_direct_forces([replace(scene, h0_m=float(gap_m))], study)[0, 0])
         if not isfinite(force_n):
             raise RunError("no force")
         return force_n - load_n
@@ -291,7 +298,7 @@ def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
         near_m = scene.h0_m
         return float(
             newton(
-                excess,
+                excess_force_n,
                 near_m,
                 x1=1.02 * near_m,
                 tol=DIRECT_TOLERANCE_WITH_EFFECTS * near_m,
@@ -302,18 +309,18 @@ def _gap_under(scene: Scene, load_n: float, study: Study) -> float:
         return nan
 
 
-def _of_response(scene: Scene, study: Study) -> Iterator[Comparison]:
+def _compare_response(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The gain of slow modulation against d ln F / d ln hv of direct forces."""
     scene = scene.viscous()
     try:
         stated = response(scene)
     except (InputError, RunError):
         return
-    force_n, error_n, slope, slope_error = _derivative(scene, "hv_m", study)
+    force_n, error_n, slope, slope_error = _direct_derivative(scene, "hv_m", study)
     gain = slope * scene.hv_m / force_n
     error = abs(gain) * (abs(slope_error / slope) + error_n / abs(force_n))
-    ends = _around(stated.static_gain, stated.error * abs(stated.static_gain))
-    yield Comparison("response", "static gain", *ends, gain, error, note=_where(scene))
+    ends = _interval_around(stated.static_gain, stated.error * abs(stated.static_gain))
+    yield Comparison("response", "static gain", *ends, gain, error, note=_scene_text(scene))
 
 
 def coverage(
@@ -329,9 +336,11 @@ def coverage(
     """
 
     @cache
-    def solved(centred: bool) -> tuple[pd.DataFrame, np.ndarray]:
+    def simulated_forces(centred: bool) -> tuple[pd.DataFrame, np.ndarray]:
         space = space_of(study.config, centred=centred)
-        points = table_of(space.independent_sample(fresh, seed=FRESH_SEED + seed), space)
+        points = table_of_points(
+            space.independent_sample(fresh, seed=FRESH_POINTS_SEED + seed), space
+        )
         return points, forces_and_errors(study.scenes(points), study)
 
     for name in models:
@@ -340,19 +349,23 @@ def coverage(
             interval, centred = fit.model.interval, fit.model.force_model.is_centred
             if interval is None or interval.error_95 is None:
                 continue
-            points, (force_n, error_n) = solved(centred)
+            points, (force_n, error_n) = simulated_forces(centred)
             stated = fit.predict_at(points)
         except (InputError, RunError):
             continue  # not a model of this study, or its physics does not hold all over the space
         off = np.abs(stated["force_n"] - force_n) + error_n
-        beyond = points.head(POINTS_OUTSIDE).assign(h0_m=1.5 * points["h0_m"].max())
+        beyond = points.head(POINTS_OUTSIDE_SPACE).assign(h0_m=1.5 * points["h0_m"].max())
         claimed = float(fit.predict_at(beyond)["error_95_n"].notna().sum())
         what = "points outside the space that have an error"
         yield Comparison("predict", what, 0.0, 0.0, claimed, note=fit.name)
         for level, quantile in NORMAL_QUANTILES.items():
             half = stated[f"error_{100 * level:.0f}_n"].to_numpy()
             # A scan's part comes on top of what the sample measures.
-            scan = interval.profile_uncertainty * quantile / NORMAL_QUANTILES[SCAN_LEVEL]
+            scan = (
+                interval.profile_uncertainty
+                * quantile
+                / NORMAL_QUANTILES[PROFILE_UNCERTAINTY_LEVEL]
+            )
             inside = int(np.sum(off <= half - scan * np.abs(stated["force_n"])))
             count = interval.calibration_points
             rank = int(np.ceil((count + 1) * level))

@@ -2,7 +2,7 @@
 
 Its docstring has the equations. Without inertia the layer's mass is solved for by Newton's method
 with GMRES, with inertia a stream function of ξ and T by dense matrices. Collocation is Chebyshev's
-on 0 ≤ ξ ≤ LAYER_DEPTH, crowded at the edge: ξ = LAYER_DEPTH (exp(k z) − 1)/(exp(k) − 1).
+on 0 ≤ ξ ≤ HALF_LINE_LENGTH, crowded at the edge: ξ = HALF_LINE_LENGTH (exp(k z) − 1)/(exp(k) − 1).
 """
 
 import argparse
@@ -24,13 +24,13 @@ from squeezefilm.files import write_text
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.asymptotics.edge_layer import (
-    INERTIA_ROWS,
-    LARGEST_EXCURSION,
-    MOST_REYNOLDS,
-    REYNOLDS_ROWS,
-    TABLE_ROWS,
-    all_weights,
+    EXCURSION_COUNT,
+    EXCURSIONS_WITH_INERTIA,
+    MAX_TABLE_EXCURSION,
+    MAX_TABLE_REYNOLDS,
+    REYNOLDS_NUMBER_COUNT,
     largest_excursion,
+    weights_with_ends,
 )
 from squeezefilm.reynolds.spectral import axis, period
 
@@ -39,15 +39,15 @@ INERTIA_COLUMNS = (
     *("reynolds", "a", "rise_over_a_squared"),
     *("d_over_a_squared", "g_over_a", "h_over_a_squared"),
 )
-LAYER_DEPTH = 60.0
+HALF_LINE_LENGTH = 60.0
 # k of the nodes; with inertia waves reach farther, and it is smaller.
 NODE_STRETCH, STRETCH_PER_REYNOLDS = 6.0, 0.2
-NODES, NODES_WITH_INERTIA = 112, 88
+NODE_COUNT, NODE_COUNT_WITH_INERTIA = 112, 88
 # Instants with inertia, from small excursions to the largest.
 INSTANTS_RANGE = 12, 48
-MOST_STEPS = 40
+MAX_NEWTON_STEPS = 40
 # Share of the shortest waves in time from which on a state is not resolved.
-MOST_UNRESOLVED = 5e-3
+MAX_UNRESOLVED_FRACTION = 5e-3
 
 
 @command(option("--output", "FOLDER", "for the two tables", required=True, type=Path))
@@ -57,39 +57,39 @@ def edge_layers(options: argparse.Namespace) -> None:
     squeezefilm-verification edge-layers --output workflow/squeezefilm/reynolds/asymptotics
     """
     rows: list[tuple[float, ...]] = []
-    for a in excursions():
+    for a in table_excursions():
         print_step(f"a {a:.4g}")
-        rows.append((a, *layer(a)))
-    write_text(_text(LAYER_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE.name)
+        rows.append((a, *solve_layer(a)))
+    write_text(_csv_text(LAYER_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE.name)
     rows = []
-    for reynolds in reynolds_numbers():
+    for reynolds in table_reynolds_numbers():
         print_step(f"Re {reynolds:.4g}")
-        rows += layers_with_inertia(reynolds, excursions_with_inertia(reynolds))
+        rows += layer_rows_with_inertia(reynolds, table_excursions_with_inertia(reynolds))
     write_text(
-        _text(INERTIA_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE_WITH_INERTIA.name
+        _csv_text(INERTIA_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE_WITH_INERTIA.name
     )
 
 
-def _text(columns: tuple[str, ...], rows: list[tuple[float, ...]]) -> str:
+def _csv_text(columns: tuple[str, ...], rows: list[tuple[float, ...]]) -> str:
     return "".join(",".join(map(str, line)) + "\n" for line in [columns, *rows])
 
 
-def excursions() -> list[float]:
-    """Excursion ratios of the table's rows, rising from 0 to LARGEST_EXCURSION."""
+def table_excursions() -> list[float]:
+    """Excursion ratios of the table's rows, rising from 0 to MAX_TABLE_EXCURSION."""
     return _unstretched(
-        edge_layer.log_gap(LARGEST_EXCURSION) * axis(TABLE_ROWS - 2, False).all_nodes
+        edge_layer.log_narrowing(MAX_TABLE_EXCURSION) * axis(EXCURSION_COUNT - 2, False).all_nodes
     )
 
 
-def reynolds_numbers() -> list[float]:
+def table_reynolds_numbers() -> list[float]:
     """Reynolds numbers of the table with inertia."""
-    return (MOST_REYNOLDS * (chebyshev.chebpts1(REYNOLDS_ROWS) + 1) / 2).tolist()
+    return (MAX_TABLE_REYNOLDS * (chebyshev.chebpts1(REYNOLDS_NUMBER_COUNT) + 1) / 2).tolist()
 
 
-def excursions_with_inertia(reynolds: float) -> list[float]:
+def table_excursions_with_inertia(reynolds: float) -> list[float]:
     """Excursion ratios of the table with inertia at one of its Reynolds numbers."""
-    fractions = (chebyshev.chebpts1(INERTIA_ROWS) + 1) / 2
-    return _unstretched(edge_layer.log_gap(largest_excursion(reynolds)) * fractions)
+    fractions = (chebyshev.chebpts1(EXCURSIONS_WITH_INERTIA) + 1) / 2
+    return _unstretched(edge_layer.log_narrowing(largest_excursion(reynolds)) * fractions)
 
 
 def _unstretched(coordinates: np.ndarray) -> list[float]:
@@ -104,19 +104,19 @@ class HalfLine(NamedTuple):
     weights: np.ndarray
 
 
-def half_line(nodes: int, stretch: float) -> HalfLine:
+def half_line_collocation(nodes: int, stretch: float) -> HalfLine:
     """Collocation on the layer, ends included."""
     line = axis(nodes, False)
-    z, unit = line.all_nodes, LAYER_DEPTH / np.expm1(stretch)
+    z, unit = line.all_nodes, HALF_LINE_LENGTH / np.expm1(stretch)
     slope = unit * stretch * np.exp(stretch * z)
     return HalfLine(
         xi=unit * np.expm1(stretch * z),
         first=line.derivative / slope[:, None],
-        weights=all_weights(line) * slope,
+        weights=weights_with_ends(line) * slope,
     )
 
 
-def layer(a: float) -> tuple[float, float, float]:
+def solve_layer(a: float) -> tuple[float, float, float]:
     """d/a², g/a and q/a at one excursion ratio 0 ≤ a < 1, without inertia.
 
     At a = 0 the linear layer gives −5√2/8, 3/√2 and −3/√2.
@@ -129,10 +129,10 @@ def layer(a: float) -> tuple[float, float, float]:
     ratio = a / (1 + sqrt(1 - a**2))
     time = period(4 * max(6, round(1.2 * log(1e-14) / log(ratio) / 4)))
     gap, core = 1 + a * np.sin(time.nodes), sqrt(1 + 1.5 * a**2)
-    line = half_line(NODES, NODE_STRETCH)
+    line = half_line_collocation(NODE_COUNT, NODE_STRETCH)
     second = (line.first @ line.first)[1:-1]
-    inner, shape = second[:, 1:-1], (NODES, time.points)
-    mass = np.full((NODES + 2, time.points), core)
+    inner, shape = second[:, 1:-1], (NODE_COUNT, time.points)
+    mass = np.full((NODE_COUNT + 2, time.points), core)
     mass[0] = gap
     # In the time ∫H dT the layer is ∂²(M²/2) = ∂M: with M replaced by its value inside, the
     # linear operator is diagonal in the eigenvectors of both directions.
@@ -145,20 +145,22 @@ def layer(a: float) -> tuple[float, float, float]:
         modes = back @ ((field * root) @ vectors.conj()) / divisor
         return np.asarray(((shapes @ modes @ vectors.T).real * root).ravel())
 
-    def linear(diffusivity: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        def apply(change: np.ndarray) -> np.ndarray:
+    def linear_operator(diffusivity: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        def apply_operator(change: np.ndarray) -> np.ndarray:
             change = change.reshape(shape)
             return precondition(inner @ (diffusivity * change) - change @ time.derivative.T)
 
-        return apply
+        return apply_operator
 
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         residual = second @ (gap * mass**2 / 2) - mass[1:-1] @ time.derivative.T
         target = -precondition(residual)
         if np.abs(target).max() < 1e-12:
             break
         size = target.size
-        operator = LinearOperator((size, size), matvec=linear(gap * mass[1:-1]), dtype=float)
+        operator = LinearOperator(
+            (size, size), matvec=linear_operator(gap * mass[1:-1]), dtype=float
+        )
         change, _ = gmres(operator, target, rtol=1e-5, restart=150, maxiter=3)
         change = change.reshape(shape)
         step_fraction = 1.0
@@ -173,7 +175,7 @@ def layer(a: float) -> tuple[float, float, float]:
     return float(d / a**2), float(g / a), float(q / a)
 
 
-def layers_with_inertia(reynolds: float, rising: list[float]) -> list[tuple[float, ...]]:
+def layer_rows_with_inertia(reynolds: float, rising: list[float]) -> list[tuple[float, ...]]:
     """Rows of INERTIA_COLUMNS at one Reynolds number and rising excursion ratios 0 < a < 1.
 
     Raises RunError where no state is found, as where a shock forms, or it is not resolved.
@@ -206,7 +208,9 @@ class InertiaLayer:
 
     @cached_property
     def line(self) -> HalfLine:
-        return half_line(NODES_WITH_INERTIA, NODE_STRETCH - STRETCH_PER_REYNOLDS * self.reynolds)
+        return half_line_collocation(
+            NODE_COUNT_WITH_INERTIA, NODE_STRETCH - STRETCH_PER_REYNOLDS * self.reynolds
+        )
 
     @cached_property
     def second(self) -> np.ndarray:
@@ -226,12 +230,12 @@ class InertiaLayer:
 
     def solve(self, nearby: "tuple[InertiaLayer, np.ndarray] | None" = None) -> tuple:
         """Return the stream and the factors of the last step's matrix, from a nearby stream."""
-        stream = np.zeros((NODES_WITH_INERTIA + 2, self.instants))
+        stream = np.zeros((NODE_COUNT_WITH_INERTIA + 2, self.instants))
         if nearby is not None:
             other, known = nearby
             carried = period(other.instants).at(period(self.instants).nodes)
             stream = known @ carried.T * (self.a / other.a)
-        for _ in range(MOST_STEPS):
+        for _ in range(MAX_NEWTON_STEPS):
             factors = lu_factor(self._jacobian(stream), overwrite_a=True, check_finite=False)
             change = self._solved(factors, -self._residual(stream))
             least, step_fraction = self.mass(stream).min(), 1.0
@@ -244,7 +248,7 @@ class InertiaLayer:
             raise RunError(f"no edge layer at a = {self.a:g}, Re = {self.reynolds:g}")
         half = self.instants // 2
         waves = np.abs(period(self.instants).fourier @ self.mass(stream).T)
-        if waves[half - 1 : half + 1].max() > MOST_UNRESOLVED:
+        if waves[half - 1 : half + 1].max() > MAX_UNRESOLVED_FRACTION:
             raise RunError(f"a = {self.a:g}, Re = {self.reynolds:g}: the layer is not resolved")
         return stream, factors
 
@@ -308,7 +312,7 @@ class InertiaLayer:
 
     def _jacobian(self, stream: np.ndarray) -> np.ndarray:
         """Jacobian for X on all nodes but the last; the rows of the edge come first."""
-        rate, count = self.rate, NODES_WITH_INERTIA + 1
+        rate, count = self.rate, NODE_COUNT_WITH_INERTIA + 1
         first, second = self.line.first[:-1, :-1], self.second[:-1, :-1]
         of_mass, of_slope, of_mass_rate, of_flux, of_flux_rate = (
             coefficient[:-1] for coefficient in self._coefficients(stream)

@@ -15,26 +15,30 @@ from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.parallel import progress_of
+from squeezefilm.parallel import report_progress
 from squeezefilm.reynolds import error_estimate, solve
 from squeezefilm.reynolds.periodic import refinement, resolution
-from squeezefilm.reynolds.periodic.launch import RESULT_ROW
-from squeezefilm.reynolds.periodic.resolution import least_ratio
+from squeezefilm.reynolds.periodic.launch import RESULT_DTYPE
+from squeezefilm.reynolds.periodic.resolution import min_convergence_ratio
 from squeezefilm.reynolds.terms import distinct_terms
-from squeezefilm_workflow.verification.origin import origin
-from squeezefilm_workflow.verification.random_films import TOLERANCES, RandomFilm, random_film
+from squeezefilm_workflow.verification.origin import origin_lines
+from squeezefilm_workflow.verification.random_films import (
+    TOLERANCE_PERCENTAGES,
+    RandomFilm,
+    random_film,
+)
 
 # Tolerance of a direct solution over that of the film, and the least.
-DIRECT_TOLERANCE_RATIO, LEAST_DIRECT_TOLERANCE = 0.01, 1e-8
+DIRECT_TOLERANCE_RATIO, MIN_DIRECT_TOLERANCE = 0.01, 1e-8
 # Unknowns of the finest grids: with more, one film of twenty takes most of the time of all.
-MOST_UNKNOWNS = 20_000
+MAX_FINEST_GRID_UNKNOWNS = 20_000
 # Films between two writings of the tables.
-BATCH = 40
+FILMS_PER_WRITE = 40
 QUANTILES = (0.5, 0.9, 0.99, 0.999)
-OUTCOMES = ("within", "outside", "no force", "no direct solution")
+ESTIMATE_OUTCOMES = ("within", "outside", "no force", "no direct solution")
 FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
 # Guards of the error estimate, and the value with which each changes nothing.
-GUARDS: dict[str, tuple[Any, str, float]] = {
+ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, str, float]] = {
     "SIZE_FRACTION": (error_estimate, "SIZE_FRACTION", 0.0),
     "RATIO_FACTOR": (error_estimate, "RATIO_FACTOR", 1.0),
     "UNKNOWN_RATIO": (error_estimate, "UNKNOWN_RATIO", 0.0),
@@ -66,19 +70,21 @@ def estimates(options: argparse.Namespace) -> None:
     output, numbers = Path(options.output), range(options.films)
     table = _table_so_far(output, seed=options.seed)
     missing = [number for number in numbers if number not in {*table["film"]}]
-    with progress_of(len(missing), unit="film", name="estimates") as bar:
-        for start in range(0, len(missing), BATCH):
-            film_numbers = missing[start : start + BATCH]
-            rows, grids = examined({n: random_film(n, seed=options.seed) for n in film_numbers})
+    with report_progress(len(missing), unit="film", name="estimates") as bar:
+        for start in range(0, len(missing), FILMS_PER_WRITE):
+            film_numbers = missing[start : start + FILMS_PER_WRITE]
+            rows, grids = examine_films(
+                {n: random_film(n, seed=options.seed) for n in film_numbers}
+            )
             if options.grids:
-                _append(pd.DataFrame(grids), Path(options.grids))
-            _append(pd.DataFrame(rows).assign(seed=options.seed), output)
+                _append_to_table(pd.DataFrame(grids), Path(options.grids))
+            _append_to_table(pd.DataFrame(rows).assign(seed=options.seed), output)
             bar.update(len(film_numbers))
     table = _table_so_far(output, seed=options.seed)
-    table = judged(table[table["film"].isin(numbers)])
-    shown = summary(table)
+    table = with_outcomes(table[table["film"].isin(numbers)])
+    shown = outcome_summary(table)
     call = f"estimates --films {options.films} --seed {options.seed} --output FORCES.csv"
-    head = origin(f"{call} --summary {Path(options.summary).name}")
+    head = origin_lines(f"{call} --summary {Path(options.summary).name}")
     write_text(head + shown.to_csv(index=False), options.summary)
     print(shown.to_string(index=False))
     outside = table.loc[table["outcome"] == "outside", "film"].unique()
@@ -86,7 +92,7 @@ def estimates(options: argparse.Namespace) -> None:
         raise RunError(f"{output}: films outside their estimates: {', '.join(map(str, outside))}")
 
 
-def _append(table: pd.DataFrame, path: Path) -> None:
+def _append_to_table(table: pd.DataFrame, path: Path) -> None:
     with path.open("a") as file:
         table.to_csv(file, index=False, header=file.tell() == 0)
 
@@ -101,17 +107,24 @@ def _table_so_far(path: Path, *, seed: int) -> pd.DataFrame:
     return table
 
 
-def examined(
+def examine_films(
     films: dict[int, RandomFilm],
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Return rows of films' forces, a row a tolerance, and rows of the grids behind them."""
     scenes = {number: replace(film.scene, point_id=str(number)) for number, film in films.items()}
     ended: set[int] = set()
     rows = []
-    with recorded_grids() as grids, patch.object(refinement, "MOST_UNKNOWNS", MOST_UNKNOWNS):
-        for tolerance in sorted({*TOLERANCES, *map(direct_tolerance, TOLERANCES)}, reverse=True):
-            film_numbers = [n for n in films if n not in ended and _needed(films[n], tolerance)]
-            forces = _forces([scenes[n] for n in film_numbers], tolerance)
+    with (
+        record_grids() as grids,
+        patch.object(refinement, "MAX_UNKNOWNS", MAX_FINEST_GRID_UNKNOWNS),
+    ):
+        for tolerance in sorted(
+            {*TOLERANCE_PERCENTAGES, *map(direct_tolerance, TOLERANCE_PERCENTAGES)}, reverse=True
+        ):
+            film_numbers = [
+                n for n in films if n not in ended and _is_solved_at_tolerance(films[n], tolerance)
+            ]
+            forces = _gauge_pressures_and_errors([scenes[n] for n in film_numbers], tolerance)
             for number, (force, error) in zip(film_numbers, forces, strict=True):
                 film = films[number]
                 head = {"film": number, "group": film.group}
@@ -122,47 +135,47 @@ def examined(
     return rows, grids
 
 
-def _needed(film: RandomFilm, tolerance: float) -> bool:
+def _is_solved_at_tolerance(film: RandomFilm, tolerance: float) -> bool:
     """Return whether a film is solved at a tolerance, to be examined or for the direct solution."""
-    own = tolerance in TOLERANCES and tolerance >= film.tolerance
+    own = tolerance in TOLERANCE_PERCENTAGES and tolerance >= film.tolerance
     return own or tolerance == direct_tolerance(film.tolerance)
 
 
 def direct_tolerance(tolerance: float) -> float:
     """Return the tolerance of a direct solution."""
-    return float(f"{max(DIRECT_TOLERANCE_RATIO * tolerance, LEAST_DIRECT_TOLERANCE):.0e}")
+    return float(f"{max(DIRECT_TOLERANCE_RATIO * tolerance, MIN_DIRECT_TOLERANCE):.0e}")
 
 
 def direct_forces(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
     """Mean gauge pressures over p0 and their errors far within a tolerance, (n, 2)."""
-    return _forces(scenes, direct_tolerance(tolerance))
+    return _gauge_pressures_and_errors(scenes, direct_tolerance(tolerance))
 
 
-def _forces(scenes: Sequence[Scene], tolerance: float) -> np.ndarray:
+def _gauge_pressures_and_errors(scenes: Sequence[Scene], tolerance: float) -> np.ndarray:
     solved = solve(scenes, tolerance=tolerance, method="periodic")
     scale_n = np.array([scene.force_scale_n for scene in scenes])
     return np.stack([solved.force_n, solved.force_error_n], axis=-1) / scale_n[:, None]
 
 
 @contextmanager
-def recorded_grids() -> Iterator[list[dict[str, Any]]]:
+def record_grids() -> Iterator[list[dict[str, Any]]]:
     """Record what error estimates are made from, a row for each scene and pair of grids."""
     rows: list[dict[str, Any]] = []
-    estimate = refinement.estimate
+    estimate = refinement.estimate_errors
 
-    def recording(results: np.ndarray, before: np.ndarray, **given: Any) -> Any:
+    def record_and_estimate(results: np.ndarray, before: np.ndarray, **given: Any) -> Any:
         for k, film in enumerate(given["scenes"].point_id):
             row = {"film": int(film), "tolerance": given["tolerance"]}
             row["first"] = bool(np.isnan(before[1, k]))
-            row |= {name: results[name][k].item() for name in RESULT_ROW.names or ()}
+            row |= {name: results[name][k].item() for name in RESULT_DTYPE.names or ()}
             rows.append(row | {"of_profile": given["of_profile"][k]})
         return estimate(results, before, **given)
 
-    with patch.object(refinement, "estimate", recording):
+    with patch.object(refinement, "estimate_errors", record_and_estimate):
         yield rows
 
 
-def judged(table: pd.DataFrame) -> pd.DataFrame:
+def with_outcomes(table: pd.DataFrame) -> pd.DataFrame:
     """Return a table of forces with ``direct``, ``error_over_estimate`` and ``outcome``.
 
     Direct is a film's force at the least tolerance, where that is at most a hundredth of the row's;
@@ -171,7 +184,9 @@ def judged(table: pd.DataFrame) -> pd.DataFrame:
     solved = table.dropna(subset="force").sort_values("tolerance").drop_duplicates("film")
     columns = {"tolerance": "direct_tolerance", "force": "direct", "estimate": "direct_error"}
     direct = solved.rename(columns=columns)[["film", *columns.values()]]
-    table = table[table["tolerance"].isin(TOLERANCES)].merge(direct, on="film", how="left")
+    table = table[table["tolerance"].isin(TOLERANCE_PERCENTAGES)].merge(
+        direct, on="film", how="left"
+    )
     known = table["direct_tolerance"] <= table["tolerance"].map(direct_tolerance) * (1 + 1e-9)
     off = (table["force"] - table["direct"]).abs()
     ratio = (off / (table["estimate"] + table["direct_error"])).where(known)
@@ -183,7 +198,7 @@ def judged(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(error_over_estimate=ratio, outcome=outcome)
 
 
-def summary(table: pd.DataFrame) -> pd.DataFrame:
+def outcome_summary(table: pd.DataFrame) -> pd.DataFrame:
     """Quantiles of error over estimate, the largest, and counts: by term, tolerance, and of all."""
     parts: Iterable[tuple[str, pd.DataFrame]] = [
         *((f"terms: {name}", part) for name, part in table.groupby("group", sort=False)),
@@ -199,7 +214,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
             {
                 "forces": name,
                 "films": part["film"].nunique(),
-                **{outcome: counts.get(outcome, 0) for outcome in OUTCOMES},
+                **{outcome: counts.get(outcome, 0) for outcome in ESTIMATE_OUTCOMES},
                 **quantiles,
                 **worst,
             }
@@ -209,8 +224,8 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
 
 @contextmanager
 def guard_switched_off(guard: str) -> Iterator[None]:
-    """Switch one of GUARDS off."""
-    owner, name, off = GUARDS[guard]
+    """Switch one of ERROR_ESTIMATE_GUARDS off."""
+    owner, name, off = ERROR_ESTIMATE_GUARDS[guard]
     with patch.object(owner, name, off):
         yield
 
@@ -237,7 +252,7 @@ class RecordedGrids:
 
         Raises InputError where no film has one.
         """
-        known = judged(forces).dropna(subset="error_over_estimate")
+        known = with_outcomes(forces).dropna(subset="error_over_estimate")
         if known.empty:
             raise InputError("no film of the table has a direct solution; examine more films")
         columns = ["film", "tolerance", "direct", "direct_error"]
@@ -245,15 +260,15 @@ class RecordedGrids:
         table = table.sort_values(["film", "tolerance"], kind="stable", ignore_index=True)
         grids_before = np.arange(len(table))
         grids_before -= np.maximum.accumulate(np.where(table["first"], grids_before, 0))
-        results = np.zeros(len(table), dtype=RESULT_ROW)
-        for name in RESULT_ROW.names or ():
+        results = np.zeros(len(table), dtype=RESULT_DTYPE)
+        for name in RESULT_DTYPE.names or ():
             results[name] = table[name]
         seed = known["seed"].iloc[0]
         drawn = {number: random_film(number, seed=seed).scene for number in {*table["film"]}}
         scenes = Scenes.of([drawn[number] for number in table["film"]])
         return cls(table, grids_before, results, scenes)
 
-    def accepted(self) -> pd.Series:
+    def accepted_error_ratios(self) -> pd.Series:
         """Return error over estimate on the first grid of each film whose estimate is enough."""
         error, allowed = self._estimates()
         enough = (error <= allowed) & (self.results["status"] == 0) & (self.results["lowest"] > 0)
@@ -274,13 +289,13 @@ class RecordedGrids:
         for group, (grids_before, of_kind, tolerance) in enumerate(different):
             at = np.flatnonzero(which == group)
             scenes = self.scenes[at]
-            error[at], allowed[at], change[:, at] = refinement.estimate(
+            error[at], allowed[at], change[:, at] = refinement.estimate_errors(
                 self.results[at],
                 change[:, at - 1] if grids_before else np.full((2, len(at)), np.nan),
                 scenes=scenes,
                 terms=kinds[int(of_kind)],
                 of_profile=self.table["of_profile"].to_numpy()[at],
-                least=least_ratio(scenes),
+                least=min_convergence_ratio(scenes),
                 tolerance=float(tolerance),
             )
         return error, allowed
@@ -303,9 +318,9 @@ def guards(options: argparse.Namespace) -> None:
     forces, grids = pd.read_csv(options.forces), pd.read_csv(options.grids)
     recorded = RecordedGrids.of(forces, grids)
     rows = []
-    for guard in ("none", *GUARDS):
-        with guard_switched_off(guard) if guard in GUARDS else nullcontext():
-            ratios = recorded.accepted()
+    for guard in ("none", *ERROR_ESTIMATE_GUARDS):
+        with guard_switched_off(guard) if guard in ERROR_ESTIMATE_GUARDS else nullcontext():
+            ratios = recorded.accepted_error_ratios()
         outside = ratios[ratios > 1]
         numbers = outside.index.get_level_values("film").unique()
         rows.append(
@@ -321,7 +336,8 @@ def guards(options: argparse.Namespace) -> None:
     call = "guards --forces FORCES.csv --grids GRIDS.csv"
     table = pd.DataFrame(rows)
     write_text(
-        origin(f"{call} --output {options.output}") + table.to_csv(index=False), options.output
+        origin_lines(f"{call} --output {options.output}") + table.to_csv(index=False),
+        options.output,
     )
     print(table.to_string(index=False))
 
@@ -334,20 +350,20 @@ def stored_films(options: argparse.Namespace) -> None:
 
     Each force is written as soon as it is known.
     """
-    table = read_films(options.output)
-    head = origin(f"stored-films --output {options.output}")
+    table = read_stored_films(options.output)
+    head = origin_lines(f"stored-films --output {options.output}")
     for index, row in table[table["force"].isna()].iterrows():
-        film = film_of(row)
+        film = film_of_row(row)
         ((force, error),) = direct_forces([film.scene], tolerance=film.tolerance)
         table.loc[index, ["force", "force_error"]] = float(f"{force:.9g}"), float(f"{error:.2g}")
         write_text(head + table.to_csv(index=False), options.output)
 
 
-def read_films(path: Path) -> pd.DataFrame:
+def read_stored_films(path: Path) -> pd.DataFrame:
     """Return a table of stored films: name, guards, numbers, force and its error over p0 A."""
     return pd.read_csv(path, comment="#", dtype={"quadrature": str})
 
 
-def film_of(row: pd.Series) -> RandomFilm:
+def film_of_row(row: pd.Series) -> RandomFilm:
     """Return the film of a table's row."""
     return RandomFilm(**{name: row[name] for name in FILM_COLUMNS})

@@ -8,14 +8,14 @@ from itertools import product
 from math import pi
 from typing import Any
 
-from squeezefilm.film.pad import UNIFORM_GAP, GapShape, Pad, Shape
+from squeezefilm.film.pad import UNIFORM_GAP, GapShape, Pad, PadShape
 from squeezefilm.film.profiles import Formula, Piston, Profile, Quadrature, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
 
-LENGTH_M = 0.01
-PRESSURE_PA = 101_325.0
-H0_M = 5e-6
+PAD_LENGTH_M = 0.01
+AMBIENT_PRESSURE_PA = 101_325.0
+MEAN_GAP_M = 5e-6
 FREQUENCY_HZ = 43_270.0
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
@@ -35,7 +35,7 @@ def film(
     reynolds: float = 0.0,
     thermal: bool = False,
     gap: GapShape = UNIFORM_GAP,
-    shape: Shape = "rectangle",
+    shape: PadShape = "rectangle",
 ) -> Scene:
     """A scene with given numbers: gap, frequency and pressure of the paper, a gas to match.
 
@@ -52,53 +52,61 @@ def film(
         shape: the pad's outline, as a scene's pad has it.
     """
     angular_frequency = 2 * pi * FREQUENCY_HZ
-    viscosity = sigma * PRESSURE_PA * H0_M**2 / (12 * angular_frequency * LENGTH_M**2)
-    speed = bearing * PRESSURE_PA * H0_M**2 / (6 * viscosity * LENGTH_M)
+    viscosity = (
+        sigma * AMBIENT_PRESSURE_PA * MEAN_GAP_M**2 / (12 * angular_frequency * PAD_LENGTH_M**2)
+    )
+    speed = bearing * AMBIENT_PRESSURE_PA * MEAN_GAP_M**2 / (6 * viscosity * PAD_LENGTH_M)
     gas = Gas(
         inertia="included" if reynolds else "none",
         thermal="included" if thermal else "none",
         viscosity_pa_s=viscosity,
-        ambient_pressure_pa=PRESSURE_PA,
-        density_kg_per_m3=reynolds * viscosity / (angular_frequency * H0_M**2) or 1.2,
-        mean_free_path_m=knudsen * H0_M or 67e-9,
+        ambient_pressure_pa=AMBIENT_PRESSURE_PA,
+        density_kg_per_m3=reynolds * viscosity / (angular_frequency * MEAN_GAP_M**2) or 1.2,
+        mean_free_path_m=knudsen * MEAN_GAP_M or 67e-9,
         rarefaction="slip" if knudsen else "none",
     )
     actuator = Actuator(FREQUENCY_HZ, 1.0, profile=profile)
-    pad = Pad(LENGTH_M, aspect * LENGTH_M, speed, gap=gap, shape=shape)
-    amplitude_and_position_m = epsilon * H0_M, x * LENGTH_M, y * LENGTH_M
-    return Film(gas, actuator, pad).scene(H0_M, *amplitude_and_position_m, point_id=name)
+    pad = Pad(PAD_LENGTH_M, aspect * PAD_LENGTH_M, speed, gap=gap, shape=shape)
+    amplitude_and_position_m = epsilon * MEAN_GAP_M, x * PAD_LENGTH_M, y * PAD_LENGTH_M
+    return Film(gas, actuator, pad).scene(MEAN_GAP_M, *amplitude_and_position_m, point_id=name)
 
 
-def travelling(wavelength: float = 2.0, direction_deg: float = 0.0) -> Profile:
+def travelling_wave(wavelength: float = 2.0, direction_deg: float = 0.0) -> Profile:
     """A wave of a length in units of the pad's side."""
-    wave = StandingWave(wavelength * LENGTH_M, direction_deg, crest_m=0.0)
+    wave = StandingWave(wavelength * PAD_LENGTH_M, direction_deg, crest_m=0.0)
     return Quadrature(wave, replace(wave, crest_m=-wave.wavelength_m / 4))
 
 
 def gap_shape(tilt_x: float = 0.0, tilt_y: float = 0.0, crown: float = 0.0) -> GapShape:
     """A gap at rest in units of h0."""
-    return GapShape(tilt_x * H0_M, tilt_y * H0_M, crown * H0_M)
+    return GapShape(tilt_x * MEAN_GAP_M, tilt_y * MEAN_GAP_M, crown * MEAN_GAP_M)
 
 
 # Where waves steepen so much that no grid or no step of Newton's method may be enough.
-STEEPEST_EPSILON_REYNOLDS = 2.0
-TILTED, ALONG, BULGING = gap_shape(tilt_x=0.4), gap_shape(tilt_y=0.4), gap_shape(crown=0.3)
+MAX_EPSILON_REYNOLDS = 2.0
+TILTED_IN_X, TILTED_IN_Y, CROWNED = (
+    gap_shape(tilt_x=0.4),
+    gap_shape(tilt_y=0.4),
+    gap_shape(crown=0.3),
+)
 # ε and Re of films with inertia, the last beyond what is documented: such a film costs the most.
 EPSILON_AND_REYNOLDS = (0.1, 0.5), (0.5, 0.5), (0.9, 0.5), (0.1, 5.0), (0.5, 50.0)
-PADS: dict[str, Shape] = {"disc": "ellipse", "square": "rectangle"}
+SHAPE_OF_PAD: dict[str, PadShape] = {"disc": "ellipse", "square": "rectangle"}
 # The plane of discs and squares with inertia and thermal effects. A square takes seconds, with a
 # larger Re or ε minutes.
 PLANE_REYNOLDS, PLANE_SIGMA = (0.1, 1.0, 5.0, 20.0), (1.0, 30.0, 1000.0, 1e5)
 PLANE_EPSILON = (0.1, 0.5, 0.9)
 # Of all cases, for a small study: every sixth, of every group some.
-SAMPLE_SLICE = slice(None, None, 6)
+SAMPLE_OF_CASES = slice(None, None, 6)
 
 
 def cases() -> list[tuple[str, Scene]]:
     """All cases with their groups: the plane of σ and ε for two profiles, sliding, and others."""
     groups = {
-        "sinc": _plane("sinc", (1e-3, 1.0, 20.0, 2331.0, 1e5, 1e7), (1e-3, 0.1, 0.5, 0.9, 0.99)),
-        "piston": _plane("piston", (1e-3, 20.0, 1e5, 1e7), (1e-3, 0.5, 0.9), profile=PISTON),
+        "sinc": _plane_films(
+            "sinc", (1e-3, 1.0, 20.0, 2331.0, 1e5, 1e7), (1e-3, 0.1, 0.5, 0.9, 0.99)
+        ),
+        "piston": _plane_films("piston", (1e-3, 20.0, 1e5, 1e7), (1e-3, 0.5, 0.9), profile=PISTON),
         "sliding": [
             film(f"sliding, Λ = {bearing:g}, σ = {sigma:g}", 0.4, sigma, bearing)
             for bearing, sigma in (
@@ -106,7 +114,7 @@ def cases() -> list[tuple[str, Scene]]:
                 *((1e3, 583.0), (1e3, 1e5), (1e4, 583.0)),
             )
         ],
-        "shape, gas, frequency": SHAPES,
+        "shape, gas, frequency": FILMS_OF_PROFILES,
         "inertia": [
             film(f"inertia, Re = {re:g}, σ = {sigma:g}, ε = {eps:g}", eps, sigma, reynolds=re)
             for sigma, (eps, re) in product((1.0, 20.0, 583.0, 1e5), EPSILON_AND_REYNOLDS)
@@ -114,20 +122,22 @@ def cases() -> list[tuple[str, Scene]]:
         "any gap, ellipse": [
             *(
                 film(f"{kind}, σ = {sigma:g}", sigma=sigma, **numbers)
-                for (kind, numbers), sigma in product(GAPS.items(), (1.0, 20.0, 2331.0, 1e5))
+                for (kind, numbers), sigma in product(
+                    NONUNIFORM_GAP_NUMBERS.items(), (1.0, 20.0, 2331.0, 1e5)
+                )
                 if "shape" not in numbers or sigma < 1e5
             ),
-            *SINGLE_GAPS,
+            *NONUNIFORM_GAP_FILMS,
         ],
         "inertia and thermal effects": [
-            *with_effects("disc"),
-            *with_effects("square", PLANE_REYNOLDS[:2], PLANE_EPSILON[:2]),
+            *films_with_effects("disc"),
+            *films_with_effects("square", PLANE_REYNOLDS[:2], PLANE_EPSILON[:2]),
         ],
     }
     return [(group, scene) for group, scenes in groups.items() for scene in scenes]
 
 
-def with_effects(
+def films_with_effects(
     pad: str,
     reynolds: tuple[float, ...] = PLANE_REYNOLDS,
     epsilon: tuple[float, ...] = PLANE_EPSILON,
@@ -139,13 +149,13 @@ def with_effects(
             *(eps, sigma),
             reynolds=re,
             thermal=True,
-            shape=PADS[pad],
+            shape=SHAPE_OF_PAD[pad],
         )
         for re, sigma, eps in product(reynolds, PLANE_SIGMA, epsilon)
     ]
 
 
-def beyond_reason(scene: Scene) -> str:
+def beyond_region_reason(scene: Scene) -> str:
     """Return the reason why a film need not be solved; empty inside the documented region."""
     closure, epsilon = scene.closure(), scene.epsilon
     inert = scene.gas.inertia == "included"
@@ -154,18 +164,18 @@ def beyond_reason(scene: Scene) -> str:
         "nearer to contact than 2 % of the gap": closure > 0.98,
         "bearing number of 1000 or more": round(scene.bearing_number) >= 1e3,
         "squeeze number above 1e7": round(scene.sigma) > 1e7,
-        f"waves that steepen: ε Re above {STEEPEST_EPSILON_REYNOLDS:g}": inert and steepens(scene),
+        f"waves that steepen: ε Re above {MAX_EPSILON_REYNOLDS:g}": inert and waves_steepen(scene),
         "inertia nearer to contact than 20 % of the gap": inert and epsilon > 0.8,
     }
     return next((reason for reason, holds in reasons.items() if holds), "")
 
 
-def steepens(scene: Scene) -> bool:
+def waves_steepen(scene: Scene) -> bool:
     """Return whether waves in a gas with inertia steepen beyond what is documented."""
-    return scene.epsilon * scene.modified_reynolds > STEEPEST_EPSILON_REYNOLDS * (1 + 1e-9)
+    return scene.epsilon * scene.modified_reynolds > MAX_EPSILON_REYNOLDS * (1 + 1e-9)
 
 
-def _plane(
+def _plane_films(
     kind: str, sigma: tuple[float, ...], epsilon: tuple[float, ...], **numbers: Any
 ) -> list[Scene]:
     return [
@@ -174,11 +184,11 @@ def _plane(
     ]
 
 
-_WAVE = travelling()
+_TRAVELLING_WAVE = travelling_wave()
 # As measurements give it: the sinc with bumps of some millimetres, a tenth of it high.
-_BUMPS = "cos(2900*x+1100*y+1)+cos(2100*x-1700*y+2)+cos(900*x+2800*y+4)+cos(1900*x-2300*y)"
-ROUGH_PROFILE = Formula(f"sinc(109.8*r)*(1+0.07*({_BUMPS}))/1.2", surface=Disc(0.015))
-SHAPES = (
+_BUMPS_FORMULA = "cos(2900*x+1100*y+1)+cos(2100*x-1700*y+2)+cos(900*x+2800*y+4)+cos(1900*x-2300*y)"
+ROUGH_PROFILE = Formula(f"sinc(109.8*r)*(1+0.07*({_BUMPS_FORMULA}))/1.2", surface=Disc(0.015))
+FILMS_OF_PROFILES = (
     film("node of the profile under the pad", 0.5, 583.0, profile=Sinc(280.0)),
     film("rough measured profile", 0.4, 583.0, profile=ROUGH_PROFILE),
     film("off centre, at the rim of the disc", 0.4, 2331.0, x=0.293),
@@ -192,27 +202,33 @@ SHAPES = (
     film("rarefied gas, Kn = 0.1", 0.44, 1e6, knudsen=0.1),
     film("contact", 1.0, 583.0),
 )
-GAPS: dict[str, dict[str, Any]] = {
-    "travelling wave": {"epsilon": 0.5, "profile": _WAVE},
-    "short wave travelling across": {"epsilon": 0.5, "profile": travelling(0.7, 30.0)},
-    "tilted": {"epsilon": 0.5, "gap": TILTED},
-    "bulging": {"epsilon": 0.5, "gap": BULGING},
+NONUNIFORM_GAP_NUMBERS: dict[str, dict[str, Any]] = {
+    "travelling wave": {"epsilon": 0.5, "profile": _TRAVELLING_WAVE},
+    "short wave travelling across": {"epsilon": 0.5, "profile": travelling_wave(0.7, 30.0)},
+    "tilted": {"epsilon": 0.5, "gap": TILTED_IN_X},
+    "bulging": {"epsilon": 0.5, "gap": CROWNED},
     "hollow, tilted both ways": {"epsilon": 0.3, "gap": gap_shape(0.3, 0.2, -0.1)},
     "ellipse": {"epsilon": 0.5, "shape": "ellipse", "aspect": 0.7},
 }
-SINGLE_GAPS = (
-    film("travelling wave, ε = 0.95", 0.95, 583.0, profile=_WAVE),
-    film("travelling wave, ε = 0.001", 1e-3, 583.0, profile=_WAVE),
-    film("travelling wave, σ = 1e7", 0.5, 1e7, profile=_WAVE),
+NONUNIFORM_GAP_FILMS = (
+    film("travelling wave, ε = 0.95", 0.95, 583.0, profile=_TRAVELLING_WAVE),
+    film("travelling wave, ε = 0.001", 1e-3, 583.0, profile=_TRAVELLING_WAVE),
+    film("travelling wave, σ = 1e7", 0.5, 1e7, profile=_TRAVELLING_WAVE),
     film("tilted, a fifth of the gap left", 0.15, 583.0, gap=gap_shape(1.6)),
-    film("tilted, 90 % of the gap closed", 0.9 * 0.8, 583.0, profile=PISTON, gap=TILTED),
-    film("tilted at the rim of the disc", 0.4, 2331.0, x=0.2051, y=0.2051, gap=TILTED),
-    film("tilted under a travelling wave", 0.4, 2331.0, profile=_WAVE, gap=gap_shape(0.3, 0.3)),
-    film("tilted, sliding, Λ = 30", 0.4, 583.0, 30.0, gap=TILTED),
-    film("bulging, rarefied gas, Kn = 0.05", 0.4, 583.0, knudsen=0.05, gap=BULGING),
-    film("thin pad 1 : 20, tilted along", 0.01, 20.0, profile=PISTON, aspect=20.0, gap=ALONG),
-    film("travelling wave, inertia, Re = 0.5", 0.5, 583.0, profile=_WAVE, reynolds=0.5),
-    film("tilted, inertia, Re = 0.5", 0.4, 583.0, reynolds=0.5, gap=TILTED),
-    film("ellipse, tilted", 0.3, 200.0, shape="ellipse", gap=TILTED),
+    film("tilted, 90 % of the gap closed", 0.9 * 0.8, 583.0, profile=PISTON, gap=TILTED_IN_X),
+    film("tilted at the rim of the disc", 0.4, 2331.0, x=0.2051, y=0.2051, gap=TILTED_IN_X),
+    film(
+        "tilted under a travelling wave",
+        0.4,
+        2331.0,
+        profile=_TRAVELLING_WAVE,
+        gap=gap_shape(0.3, 0.3),
+    ),
+    film("tilted, sliding, Λ = 30", 0.4, 583.0, 30.0, gap=TILTED_IN_X),
+    film("bulging, rarefied gas, Kn = 0.05", 0.4, 583.0, knudsen=0.05, gap=CROWNED),
+    film("thin pad 1 : 20, tilted along", 0.01, 20.0, profile=PISTON, aspect=20.0, gap=TILTED_IN_Y),
+    film("travelling wave, inertia, Re = 0.5", 0.5, 583.0, profile=_TRAVELLING_WAVE, reynolds=0.5),
+    film("tilted, inertia, Re = 0.5", 0.4, 583.0, reynolds=0.5, gap=TILTED_IN_X),
+    film("ellipse, tilted", 0.3, 200.0, shape="ellipse", gap=TILTED_IN_X),
     film("tilted until it touches", 0.5, 583.0, gap=gap_shape(1.7)),
 )

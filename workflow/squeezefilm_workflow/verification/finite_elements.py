@@ -33,18 +33,18 @@ from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm_workflow.verification.marching import (
     FloatArray,
-    fold_of,
-    graded_edges,
+    film_symmetry,
+    graded_cell_edges,
     march_to_periodic,
 )
 
-NEWTON_STEPS = 40
+MAX_NEWTON_STEPS = 40
 STEPS_WITH_OLD_FACTORS = 4  # Newton steps with old factors before new ones are made
 NEWTON_TOLERANCE = 1e-9  # on u, of order epsilon
 
 
 @BilinearForm
-def _diffusion(u, v, w):  # type: ignore[no-untyped-def]
+def _diffusion_form(u, v, w):  # type: ignore[no-untyped-def]
     return w["s"] ** w["power"] * dot(grad(u), grad(v))
 
 
@@ -60,19 +60,19 @@ def periodic_force(
 
     Raises RunError when a time step does not converge.
     """
-    fold = fold_of(scene) if mesh is None else (False, False)
+    fold = film_symmetry(scene) if mesh is None else (False, False)
     if mesh is None:
-        x, y = (graded_edges(cells=cells, folded=folded) for folded in fold)
+        x, y = (graded_cell_edges(cells=cells, folded=folded) for folded in fold)
         basis = Basis(MeshQuad.init_tensor(x, y), ElementQuad2(), intorder=5)
         free = basis.complement_dofs(basis.get_dofs(lambda x: np.any((x == 0) | (x == 1), axis=0)))
     else:
         basis = Basis(mesh, ElementTriP2(), intorder=5)
         free = basis.complement_dofs(basis.get_dofs())
-    film = _Film(scene, basis, free, steps=steps)
+    film = _FilmOnElements(scene, basis, free, steps=steps)
     return march_to_periodic(film.period, np.zeros(len(free)), **marching) * 2 ** sum(fold)
 
 
-class _Film:
+class _FilmOnElements:
     """The discretised film: matrices of all phases, and the factors kept between periods."""
 
     def __init__(self, scene: Scene, basis: Basis, free: NDArray[np.int64], *, steps: int) -> None:
@@ -81,7 +81,9 @@ class _Film:
         wave = np.sin(2 * math.pi * np.arange(steps + 1) / steps)
         half_step = math.pi / steps
         powers = [
-            math.comb(3, j) * half_step * _diffusion.assemble(basis, s=gap, power=j)[free][:, free]
+            math.comb(3, j)
+            * half_step
+            * _diffusion_form.assemble(basis, s=gap, power=j)[free][:, free]
             for j in range(4)
         ]
         self.diffusion = [sum(a**j * matrix for j, matrix in enumerate(powers)) for a in wave]
@@ -120,7 +122,7 @@ class _Film:
     def _implicit(self, phase: int, u: FloatArray, old: FloatArray) -> FloatArray:
         """Solve one time step for u by Newton's method from the guess u."""
         gap_weights, diffusion = self.gap_weights[phase], self.diffusion[phase]
-        for attempt in range(NEWTON_STEPS):
+        for attempt in range(MAX_NEWTON_STEPS):
             pressure = self.pressure(u)
             residual = self.tested_new @ (gap_weights * pressure) + diffusion @ u + old
             factors = self.factors[phase]

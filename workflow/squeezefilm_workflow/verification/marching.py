@@ -20,12 +20,12 @@ from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
 
 FloatArray = NDArray[np.float64]
-Operator = Callable[[FloatArray], FloatArray]
+LinearMap = Callable[[FloatArray], FloatArray]
 
-NEWTON_STEPS, KRYLOV_ITERATIONS = 40, 400
+MAX_NEWTON_STEPS, MAX_KRYLOV_ITERATIONS = 40, 400
 
 
-def fold_of(scene: Scene) -> tuple[bool, bool]:
+def film_symmetry(scene: Scene) -> tuple[bool, bool]:
     """Return whether a film is even about X = 1/2 and Y = 1/2, so that half the side suffices.
 
     It is probed at some points and phases.
@@ -38,7 +38,7 @@ def fold_of(scene: Scene) -> tuple[bool, bool]:
     return even_x and scene.bearing_number == 0, even_y
 
 
-def graded_edges(*, cells: int, folded: bool) -> FloatArray:
+def graded_cell_edges(*, cells: int, folded: bool) -> FloatArray:
     """Cell edges on [0, 1], or on [0, 1/2] if folded, closing up towards the edge as a cosine.
 
     cells: in each half of the side, so that a folded mesh is half of the whole one.
@@ -93,9 +93,9 @@ def march_to_periodic(
 
 def newton_krylov(
     shape: tuple[int, ...],
-    linearised: Callable[[FloatArray], tuple[FloatArray, Operator, FloatArray | float]],
+    linearised: Callable[[FloatArray], tuple[FloatArray, LinearMap, FloatArray | float]],
     *,
-    positive: Operator,
+    positive: LinearMap,
     tolerance: float,
 ) -> FloatArray:
     """Newton's method with GMRES for a field, from zero until a preconditioned residual is small.
@@ -110,7 +110,7 @@ def newton_krylov(
     Raises RunError when the method does not get there.
     """
     state = np.zeros(shape)
-    for _ in range(NEWTON_STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         residual, derivative, per_mass = linearised(state)
         size = float(np.linalg.norm(residual) / math.sqrt(residual.size))
         if size < tolerance:
@@ -126,11 +126,11 @@ def newton_krylov(
             flat,
             -residual.ravel(),
             rtol=min(0.1, max(0.1 * size, 0.3 * tolerance / size)),
-            restart=KRYLOV_ITERATIONS,
+            restart=MAX_KRYLOV_ITERATIONS,
             maxiter=1,
         )
         change = per_mass * w.reshape(shape)
         while np.any(positive(state + change) <= 0.1 * positive(state)):
             change /= 2
         state = state + change
-    raise RunError(f"no convergence in {NEWTON_STEPS} Newton steps (residual {size:.1e})")
+    raise RunError(f"no convergence in {MAX_NEWTON_STEPS} Newton steps (residual {size:.1e})")

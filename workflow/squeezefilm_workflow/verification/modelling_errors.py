@@ -12,44 +12,44 @@ import pandas as pd
 
 from squeezefilm.cli.options import command, flag, option
 from squeezefilm.errors import RunError
-from squeezefilm.film.pad import Pad, Shape
+from squeezefilm.film.pad import Pad, PadShape
 from squeezefilm.film.profiles import BesselMode, Piston, Profile, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import validity
 from squeezefilm.quantities.model_error import (
-    MODEL_TOLERANCE,
+    AUTO_TERM_TOLERANCE,
     ErrorBudget,
     error_budgets,
-    excluded_terms,
     resolve_auto_terms,
+    unsupported_auto_terms,
 )
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.verification.all_effects import (
     Effects,
     forces_on_grid,
-    grids_of,
+    grid_sizes_of_scene,
     is_axisymmetric,
 )
-from squeezefilm_workflow.verification.films import STEEPEST_EPSILON_REYNOLDS
+from squeezefilm_workflow.verification.films import MAX_EPSILON_REYNOLDS
 
 # Ranges of Re, σ, ε, h0 in m and, of a sliding pad, its speed in m/s.
 REYNOLDS_RANGE, SIGMA_RANGE, EPSILON_RANGE = (0.1, 10.0), (5.0, 2500.0), (0.1, 0.6)
 H0_RANGE_M, SPEED_RANGE_M_PER_S = (4e-6, 25e-6), (0.02, 0.5)
-ASPECT_RANGE, OFF_CENTRE = (0.6, 1.6), 0.25
+ASPECT_RANGE, MAX_OFF_CENTRE = (0.6, 1.6), 0.25
 SLIDING_PROBABILITY, OFF_CENTRE_PROBABILITY = 0.1, 0.3
 SLIP_PROBABILITY, UNIFORM_GAP_PROBABILITY = 0.2, 0.15
 """Probabilities: pad slides; is off the centre; gas slips; has neither inertia nor heat."""
-SHAPES = {"disc": 0.4, "ellipse": 0.25, "rectangle": 0.35}
-PROFILES = {"sinc": 0.35, "bessel": 0.3, "standing-wave": 0.25, "piston": 0.1}
+SHAPE_PROBABILITIES = {"disc": 0.4, "ellipse": 0.25, "rectangle": 0.35}
+PROFILE_PROBABILITIES = {"sinc": 0.35, "bessel": 0.3, "standing-wave": 0.25, "piston": 0.1}
 # Where a node lies: over the distance of the edge from the centre along x.
-NODE_DISTANCE = {"edge": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
+NODE_DISTANCE_RANGES = {"edge": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
 BESSEL_ZERO = 2.404825557695773
 LOSS_COEFFICIENTS = (1.0, 1.54)
 # Range of Re of the films of which `auto` neglects some effects.
-SMALL_REYNOLDS = (0.01, 2.0)
+SMALL_REYNOLDS_RANGE = (0.01, 2.0)
 # Rows of a budget that the film with all effects does not answer.
-NOT_COMPARED = ("depth_averaged", "sheared_gas", "moving_profile", "ram_pressure")
+EFFECTS_NOT_COMPARED = ("depth_averaged", "sheared_gas", "moving_profile", "ram_pressure")
 
 
 @command(
@@ -71,7 +71,7 @@ def modelling_errors(options: argparse.Namespace) -> None:
     """
     seeds = range(options.seed, options.seed + options.films)
     chosen = [seed for seed in seeds if not options.discs or is_axisymmetric(random_film(seed))]
-    outside = films_outside(comparison, chosen, output=Path(options.output))
+    outside = write_films_table(modelling_error_row, chosen, output=Path(options.output))
     if outside:
         raise RunError(f"modelling errors of films {outside} do not hold")
 
@@ -91,12 +91,12 @@ def auto_terms(options: argparse.Namespace) -> None:
     model tolerance. The exit status is 1 where it differs more.
     """
     seeds = range(options.seed, options.seed + options.films)
-    outside = films_outside(neglected_by_auto, seeds, output=Path(options.output))
+    outside = write_films_table(auto_terms_row, seeds, output=Path(options.output))
     if outside:
         raise RunError(f"`auto` neglects too much in films {outside}")
 
 
-def films_outside(
+def write_films_table(
     row_of: Callable[[int], dict[str, Any]], seeds: Iterable[int], *, output: Path
 ) -> str:
     """Write a table film by film, print how many have each outcome, and name those outside."""
@@ -109,39 +109,39 @@ def films_outside(
     return ", ".join(map(str, table.loc[table["outcome"] == "outside", "seed"]))
 
 
-def neglected_by_auto(seed: int) -> dict[str, Any]:
+def auto_terms_row(seed: int) -> dict[str, Any]:
     """Return the effects that `auto` includes in a seed's film and what the others change."""
-    film = random_film(seed, reynolds=SMALL_REYNOLDS).with_gas(inertia="auto", thermal="auto")
+    film = random_film(seed, reynolds=SMALL_REYNOLDS_RANGE).with_gas(inertia="auto", thermal="auto")
     (scene,) = resolve_auto_terms([film])
-    row = _row(seed, film.point_id, scene)
-    if excluded_terms(film):
+    row = _film_row(seed, film.point_id, scene)
+    if unsupported_auto_terms(film):
         return row | {"outcome": "not supported"}
-    own = _own_effects(scene)
+    own = _effects_of_scene(scene)
     both = replace(own, inertia=True, thermal=True)
     if both == own:
         return row | {"neglected_by_auto_percent": 0.0, "outcome": "nothing neglected"}
     try:
-        ((change, error),) = changes_percent(scene, [both])
+        ((change, error),) = force_changes_percent(scene, [both])
     except ArithmeticError as reason:
         return row | {"outcome": f"not compared: {reason}"}
     row |= {"neglected_by_auto_percent": change, "solved_error_percent": error}
-    tolerance_percent = 100 * MODEL_TOLERANCE
+    tolerance_percent = 100 * AUTO_TERM_TOLERANCE
     if error > 0.05 * tolerance_percent:
         return row | {"outcome": "not compared: grids differ"}
     return row | {"outcome": "inside" if abs(change) <= tolerance_percent + error else "outside"}
 
 
-def comparison(seed: int) -> dict[str, Any]:
+def modelling_error_row(seed: int) -> dict[str, Any]:
     """Return the modelling error of a seed's film and what all effects change of its force."""
     drawn = random_film(seed)
     (scene,) = resolve_auto_terms([drawn])
     (budget,) = error_budgets([scene])
-    lower, upper = interval_percent(budget)
-    row = _row(seed, drawn.point_id, scene)
+    lower, upper = interval_bounds_percent(budget)
+    row = _film_row(seed, drawn.point_id, scene)
     row |= {"modelling_error_lower_percent": lower, "modelling_error_upper_percent": upper}
     effects = [Effects(edge_coefficient=coefficient) for coefficient in LOSS_COEFFICIENTS]
     try:
-        all_effects = changes_percent(scene, effects)
+        all_effects = force_changes_percent(scene, effects)
     except ArithmeticError as reason:
         return row | {"outcome": f"not compared: {reason}"}
     (least, least_error), (most, most_error) = sorted(all_effects)
@@ -155,7 +155,7 @@ def comparison(seed: int) -> dict[str, Any]:
     return row | {"outcome": "inside" if inside else "outside"}
 
 
-def _row(seed: int, film: str, scene: Scene) -> dict[str, Any]:
+def _film_row(seed: int, film: str, scene: Scene) -> dict[str, Any]:
     return {
         "seed": seed,
         "film": film,
@@ -177,26 +177,26 @@ def included_effects(scene: Scene) -> str:
     return "; ".join(name for name, has in included.items() if has) or "none"
 
 
-def interval_percent(budget: ErrorBudget) -> tuple[float, float]:
+def interval_bounds_percent(budget: ErrorBudget) -> tuple[float, float]:
     """Return the ends of the neglected effects that are compared."""
     lower, upper = budget.modelling_error_percent
-    for name in NOT_COMPARED:
+    for name in EFFECTS_NOT_COMPARED:
         percent, error_percent, _ = budget.effects[name]
         lower, upper = lower - percent + error_percent, upper - percent - error_percent
     return lower, upper
 
 
-def changes_percent(scene: Scene, effects: Sequence[Effects]) -> list[tuple[float, float]]:
+def force_changes_percent(scene: Scene, effects: Sequence[Effects]) -> list[tuple[float, float]]:
     """Return changes of a scene's force in % by some sets of effects, and their errors."""
-    every = [_own_effects(scene), *effects]
+    every = [_effects_of_scene(scene), *effects]
     changes = []
-    for points, instants in grids_of(scene):
+    for points, instants in grid_sizes_of_scene(scene):
         forces_n = forces_on_grid(scene, every, points=points, instants=instants)
         changes.append(100 * (np.array(forces_n[1:]) / forces_n[0] - 1))
     return list(zip(changes[0].tolist(), abs(changes[0] - changes[1]).tolist(), strict=True))
 
 
-def _own_effects(scene: Scene) -> Effects:
+def _effects_of_scene(scene: Scene) -> Effects:
     return Effects(
         inertia=scene.gas.inertia == "included",
         thermal=scene.gas.thermal == "included",
@@ -208,15 +208,17 @@ def random_film(seed: int, *, reynolds: tuple[float, float] = REYNOLDS_RANGE) ->
     """Return the film of a seed, within the limits of validity."""
     random = np.random.default_rng(seed)
     while True:
-        scene = _drawn(random, reynolds)
-        steep = scene.epsilon * scene.modified_reynolds > STEEPEST_EPSILON_REYNOLDS
+        scene = _uniform(random, reynolds)
+        steep = scene.epsilon * scene.modified_reynolds > MAX_EPSILON_REYNOLDS
         term = "included" if scene.gas.inertia == "auto" else "none"
         if not steep and validity(scene.with_gas(inertia=term, thermal=term)) == "ok":
             return scene
 
 
-def _drawn(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
-    reynolds, sigma, h0_m = (_between(random, ends) for ends in (limits, SIGMA_RANGE, H0_RANGE_M))
+def _uniform(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
+    reynolds, sigma, h0_m = (
+        _log_uniform(random, ends) for ends in (limits, SIGMA_RANGE, H0_RANGE_M)
+    )
     gas = Gas(inertia="auto", thermal="auto")
     if random.uniform() < UNIFORM_GAP_PROBABILITY:
         gas = replace(gas, inertia="none", thermal="none")
@@ -225,21 +227,23 @@ def _drawn(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
     omega = reynolds * gas.viscosity_pa_s / (gas.density_kg_per_m3 * h0_m**2)
     pressure_height = gas.ambient_pressure_pa * h0_m**2
     length_m = sqrt(sigma * pressure_height / (12 * gas.viscosity_pa_s * omega))
-    shape = str(random.choice(list(SHAPES), p=list(SHAPES.values())))
-    aspect = 1.0 if shape == "disc" else _between(random, ASPECT_RANGE)
+    shape = str(random.choice(list(SHAPE_PROBABILITIES), p=list(SHAPE_PROBABILITIES.values())))
+    aspect = 1.0 if shape == "disc" else _log_uniform(random, ASPECT_RANGE)
     sliding = shape != "disc" and random.uniform() < SLIDING_PROBABILITY
-    speed_m_per_s = _between(random, SPEED_RANGE_M_PER_S) if sliding else 0.0
-    kind = str(random.choice(list(PROFILES), p=list(PROFILES.values())))
-    node = str(random.choice(list(NODE_DISTANCE)))
-    node_m = length_m / 2 * random.uniform(*NODE_DISTANCE[node])
-    off_m = random.uniform(0, OFF_CENTRE) * length_m * (random.uniform() < OFF_CENTRE_PROBABILITY)
-    outline: Shape = "rectangle" if shape == "rectangle" else "ellipse"
+    speed_m_per_s = _log_uniform(random, SPEED_RANGE_M_PER_S) if sliding else 0.0
+    kind = str(random.choice(list(PROFILE_PROBABILITIES), p=list(PROFILE_PROBABILITIES.values())))
+    node = str(random.choice(list(NODE_DISTANCE_RANGES)))
+    node_m = length_m / 2 * random.uniform(*NODE_DISTANCE_RANGES[node])
+    off_m = (
+        random.uniform(0, MAX_OFF_CENTRE) * length_m * (random.uniform() < OFF_CENTRE_PROBABILITY)
+    )
+    outline: PadShape = "rectangle" if shape == "rectangle" else "ellipse"
     film = Film(
         gas,
         Actuator(
             frequency_hz=omega / (2 * pi),
             surface_radius_m=2 * length_m,
-            profile=_profile(kind, node_m, 2 * length_m),
+            profile=_profile_with_node(kind, node_m, 2 * length_m),
         ),
         Pad(length_m, aspect * length_m, speed_m_per_s, shape=outline),
     )
@@ -249,7 +253,7 @@ def _drawn(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
     return film.scene(h0_m, epsilon * h0_m, off_m, off_m / 2, point_id=", ".join(words))
 
 
-def _profile(kind: str, node_m: float, surface_radius_m: float) -> Profile:
+def _profile_with_node(kind: str, node_m: float, surface_radius_m: float) -> Profile:
     """Return a vibration with a node, that nearest to the centre, at a distance from the centre."""
     match kind:
         case "sinc":
@@ -261,7 +265,7 @@ def _profile(kind: str, node_m: float, surface_radius_m: float) -> Profile:
     return Piston()
 
 
-def _between(random: np.random.Generator, limits: tuple[float, float]) -> float:
+def _log_uniform(random: np.random.Generator, limits: tuple[float, float]) -> float:
     """Return a number that is uniform in its logarithm."""
     low, high = limits
     return float(np.exp(random.uniform(log(low), log(high))))

@@ -23,7 +23,7 @@ import numpy as np
 from scipy.interpolate import BarycentricInterpolator
 
 from squeezefilm.film.scene import Scene
-from squeezefilm_workflow.verification.marching import FloatArray, Operator, newton_krylov
+from squeezefilm_workflow.verification.marching import FloatArray, LinearMap, newton_krylov
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def chebyshev_grid(interior: int) -> ChebyshevGrid:
     return ChebyshevGrid(x, first, second, weights)
 
 
-class Collocation:
+class CollocatedFilm:
     """The film equation at nx x ny inner points and nt (even) times, fields (nx, ny, nt)."""
 
     def __init__(self, scene: Scene, *, nx: int, ny: int, nt: int) -> None:
@@ -87,25 +87,25 @@ class Collocation:
     def residual(self, p: FloatArray) -> FloatArray:
         """Return the residual of the equation for a pressure p = P - 1."""
         flow = self._flow(self.gap * self.half * p * (1 + p / 2), self.gap * p)
-        return flow - self._carried(self.gap * p) - self.squeeze
+        return flow - self._mass_carried_by_wall(self.gap * p) - self.squeeze
 
     def derivative(self, p: FloatArray, w: FloatArray) -> FloatArray:
         """Derivative of the residual for a mass perturbation w."""
-        return self._flow(self.half * (1 + p) * w, w) - self._carried(w)
+        return self._flow(self.half * (1 + p) * w, w) - self._mass_carried_by_wall(w)
 
-    def preconditioner(self, p: FloatArray) -> Operator:
+    def preconditioner(self, p: FloatArray) -> LinearMap:
         """The inverse of the mean diffusion and the rate."""
         (x_values, x_modes, x_inverse), (y_values, y_modes, y_inverse) = self.x.modes, self.y.modes
         mean = np.mean(self.gap**2 * (1 + p) + 6 * self.knudsen * self.gap)
         laplacian = np.add.outer(x_values, y_values / self.aspect**2)
         symbol = mean * laplacian[:, :, None] - self.sigma * self.i_k
 
-        def apply(r: FloatArray) -> FloatArray:
+        def apply_preconditioner(r: FloatArray) -> FloatArray:
             modes = np.fft.rfft(np.matmul(y_inverse, np.tensordot(x_inverse, r, 1)))
             w = np.fft.irfft(modes / symbol, n=r.shape[-1])
             return np.asarray(np.matmul(y_modes, np.tensordot(x_modes, w, 1)))
 
-        return apply
+        return apply_preconditioner
 
     def mean(self, p: FloatArray) -> float:
         """The mean force in units of p0 times the area."""
@@ -124,12 +124,12 @@ class Collocation:
     def _rate(self, field: FloatArray) -> FloatArray:
         return np.asarray(field @ self.in_time)
 
-    def _carried(self, mass: FloatArray) -> FloatArray:
+    def _mass_carried_by_wall(self, mass: FloatArray) -> FloatArray:
         rate = self.sigma * self._rate(mass)
         return rate + self.bearing * np.tensordot(self.x_first, mass, 1) if self.bearing else rate
 
 
-def periodic_state(
+def periodic_mean_force(
     scene: Scene, *, nx: int = 24, ny: int = 24, nt: int = 16, tolerance: float = 1e-10
 ) -> float:
     """Mean force of the periodic state at nx x ny inner points and nt (even) times.
@@ -138,9 +138,9 @@ def periodic_state(
 
     Raises RunError when Newton's method does not get there.
     """
-    film = Collocation(scene, nx=nx, ny=ny, nt=nt)
+    film = CollocatedFilm(scene, nx=nx, ny=ny, nt=nt)
 
-    def linearised(p: FloatArray) -> tuple[FloatArray, Operator, FloatArray]:
+    def linearised(p: FloatArray) -> tuple[FloatArray, LinearMap, FloatArray]:
         precondition = film.preconditioner(p)
         return (
             precondition(film.residual(p)),

@@ -7,7 +7,7 @@ from squeezefilm.provenance import provenance
 from squeezefilm.reynolds.device import choose_device
 
 
-def origin(command: str) -> str:
+def origin_lines(command: str) -> str:
     """Return the command, commit, machine and date as lines that stand above a table."""
     now = datetime.now(UTC)
     lines = {

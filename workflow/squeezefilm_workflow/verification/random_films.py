@@ -12,9 +12,9 @@ Numbers that a row does not draw are those of a plain film. A film is of one of 
   most 0.8, σ in 1 to 1e5; tolerances of 1e-4 and looser, for direct solutions take minutes.
 
 A quarter of the pads is centred, the others lie up to 0.3 sides off along x and y. Profiles are
-pistons, smooth ones, measured ones (Zernike modes), ridges, kinks and narrow spots, as of PROFILES.
-Ten films with successive numbers share profile and position, since sampling a profile takes longer
-than solving a film.
+pistons, smooth ones, measured ones (Zernike modes), ridges, kinks and narrow spots, as of
+PROFILE_PERCENTAGES. Ten films with successive numbers share profile and position, since sampling a
+profile takes longer than solving a film.
 """
 
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ import numpy as np
 from squeezefilm.film.profiles import Formula, Modes, Profile, largest_magnitude
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm_workflow.verification.films import LENGTH_M, film, gap_shape
+from squeezefilm_workflow.verification.films import PAD_LENGTH_M, film, gap_shape
 
 SURFACE = Disc(0.012)
 # Probabilities in per cent.
@@ -40,24 +40,31 @@ GROUPS = {
     "inertia": 10,
     "thermal": 6,
 }
-PROFILES = {"piston": 8, "smooth": 34, "measured": 14, "ridge": 18, "kink": 6, "narrow": 20}
+PROFILE_PERCENTAGES = {
+    "piston": 8,
+    "smooth": 34,
+    "measured": 14,
+    "ridge": 18,
+    "kink": 6,
+    "narrow": 20,
+}
 EPSILON_RANGE, SIGMA_RANGE, BEARING_RANGE = (0.01, 0.98), (0.1, 1e6), (0.1, 300.0)
-REYNOLDS_RANGE, MOST_EPSILON_REYNOLDS = (0.05, 5.0), 2.0
-KNUDSEN, ASPECT_RANGE = (1e-3, 0.1), (0.5, 1.0)
-CENTRED, FARTHEST = 0.25, 0.3
+REYNOLDS_RANGE, MAX_EPSILON_REYNOLDS = (0.05, 5.0), 2.0
+KNUDSEN_RANGE, ASPECT_RANGE = (1e-3, 0.1), (0.5, 1.0)
+CENTRED_PROBABILITY, MAX_OFF_CENTRE = 0.25, 0.3
 RANGES_OF_GROUP = {
     "shaped gap": {"epsilon": (0.01, 0.9), "sigma": (1.0, 1e5)},
     "ellipse": {"epsilon": (0.01, 0.9), "sigma": (1.0, 1e4)},
     "inertia": {"epsilon": (0.01, 0.8), "sigma": (1.0, 1e5)},
     "thermal": {"epsilon": (0.01, 0.8), "sigma": (1.0, 1e5)},
 }
-ZERNIKE_DEGREE = 8
-FILMS_A_PROFILE = 10
+MAX_ZERNIKE_DEGREE = 8
+FILMS_PER_PROFILE = 10
 # An excursion ratio at which no gap is closed.
 SMALL_EPSILON = 1e-3
 # Loose tolerances are drawn more often: there two grids agree by chance, and films are cheap.
-TOLERANCES = {1e-2: 40, 1e-3: 30, 1e-4: 20, 1e-5: 6, 1e-6: 4}
-LEAST_TOLERANCE_WITH_INERTIA = 1e-4
+TOLERANCE_PERCENTAGES = {1e-2: 40, 1e-3: 30, 1e-4: 20, 1e-5: 6, 1e-6: 4}
+MIN_TOLERANCE_WITH_INERTIA = 1e-4
 
 
 @dataclass(frozen=True)
@@ -110,7 +117,7 @@ class RandomFilm:
     def _profile(self) -> Profile:
         kind, *coefficients = self.profile.split(" ")
         if kind == "zernike":
-            orders = SURFACE.orders_up_to(ZERNIKE_DEGREE, axisymmetric=False)
+            orders = SURFACE.orders_up_to(MAX_ZERNIKE_DEGREE, axisymmetric=False)
             return Modes(orders, tuple(map(float, coefficients)), SURFACE)
         return Formula(self.profile, SURFACE, self.quadrature)
 
@@ -122,56 +129,60 @@ def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> Ran
         limits: of ``epsilon``, ``sigma``, ``bearing`` or ``reynolds`` other than the docstring's.
     """
     random = np.random.default_rng((seed, number))
-    group = _drawn(random, GROUPS)
+    group = _draw_by_frequency(random, GROUPS)
     limits = (
         {"epsilon": EPSILON_RANGE, "sigma": SIGMA_RANGE} | RANGES_OF_GROUP.get(group, {}) | limits
     )
-    shared = np.random.default_rng((seed, number // FILMS_A_PROFILE, FILMS_A_PROFILE))
-    x, y = shared.uniform(-FARTHEST, FARTHEST, 2) * (shared.uniform() > CENTRED)
+    shared = np.random.default_rng((seed, number // FILMS_PER_PROFILE, FILMS_PER_PROFILE))
+    x, y = shared.uniform(-MAX_OFF_CENTRE, MAX_OFF_CENTRE, 2) * (
+        shared.uniform() > CENTRED_PROBABILITY
+    )
     drawn = RandomFilm(
         group=group,
         epsilon=float(random.uniform(*limits["epsilon"])),
-        sigma=_between(random, limits["sigma"]),
-        profile=_profile(shared, x * LENGTH_M, y * LENGTH_M),
-        tolerance=float(_drawn(random, TOLERANCES)),
+        sigma=_log_uniform(random, limits["sigma"]),
+        profile=_random_profile(shared, x * PAD_LENGTH_M, y * PAD_LENGTH_M),
+        tolerance=float(_draw_by_frequency(random, TOLERANCE_PERCENTAGES)),
         x=float(x),
         y=float(y),
     )
     match group:
         case "sliding":
-            return replace(drawn, bearing=_between(random, limits.get("bearing", BEARING_RANGE)))
+            return replace(
+                drawn, bearing=_log_uniform(random, limits.get("bearing", BEARING_RANGE))
+            )
         case "slip":
-            return replace(drawn, knudsen=_between(random, KNUDSEN))
+            return replace(drawn, knudsen=_log_uniform(random, KNUDSEN_RANGE))
         case "ellipse":
-            return replace(drawn, aspect=_between(random, ASPECT_RANGE))
+            return replace(drawn, aspect=_log_uniform(random, ASPECT_RANGE))
         case "inertia" | "thermal":
-            reynolds = _between(random, limits.get("reynolds", REYNOLDS_RANGE))
-            reynolds = min(reynolds, MOST_EPSILON_REYNOLDS / drawn.epsilon)
-            tolerance = max(drawn.tolerance, LEAST_TOLERANCE_WITH_INERTIA)
+            reynolds = _log_uniform(random, limits.get("reynolds", REYNOLDS_RANGE))
+            reynolds = min(reynolds, MAX_EPSILON_REYNOLDS / drawn.epsilon)
+            tolerance = max(drawn.tolerance, MIN_TOLERANCE_WITH_INERTIA)
             return replace(drawn, reynolds=reynolds, tolerance=tolerance)
         case "shaped gap":
-            return _shaped(random, drawn)
+            return _film_with_nonuniform_gap(random, drawn)
     return drawn
 
 
-def _between(random: np.random.Generator, limits: tuple[float, float]) -> float:
+def _log_uniform(random: np.random.Generator, limits: tuple[float, float]) -> float:
     """Uniform in its logarithm."""
     low, high = limits
     return exp(random.uniform(log(low), log(high)))
 
 
-def _drawn(random: np.random.Generator, frequencies: Mapping[Any, int]) -> str:
+def _draw_by_frequency(random: np.random.Generator, frequencies: Mapping[Any, int]) -> str:
     weights = np.array(list(frequencies.values())) / sum(frequencies.values())
     return str(random.choice(list(frequencies), p=weights))
 
 
-def _shaped(random: np.random.Generator, drawn: RandomFilm) -> RandomFilm:
+def _film_with_nonuniform_gap(random: np.random.Generator, drawn: RandomFilm) -> RandomFilm:
     """A film whose gap is shaped at rest, has two components, or both."""
     shaped = random.uniform() < 0.7
     if not shaped or random.uniform() < 0.3:
-        profile = _smooth(random)
+        profile = _smooth_profile(random)
         while drawn.profile.startswith("zernike"):
-            drawn = replace(drawn, profile=_profile(random, 0.0, 0.0))
+            drawn = replace(drawn, profile=_random_profile(random, 0.0, 0.0))
         drawn = replace(drawn, quadrature=profile)
     if not shaped:
         return drawn
@@ -187,41 +198,41 @@ def _shaped(random: np.random.Generator, drawn: RandomFilm) -> RandomFilm:
     return replace(drawn, epsilon=drawn.epsilon / closure)
 
 
-def _profile(random: np.random.Generator, x_m: float, y_m: float) -> str:
+def _random_profile(random: np.random.Generator, x_m: float, y_m: float) -> str:
     """A profile whose features lie under or near a pad at x, y."""
-    kind = _drawn(random, PROFILES)
+    kind = _draw_by_frequency(random, PROFILE_PERCENTAGES)
     if kind == "piston":
         return "1"
     if kind == "smooth":
-        return _smooth(random)
+        return _smooth_profile(random)
     if kind == "measured":
-        return _measured(random)
-    at_x, at_y = np.array([x_m, y_m]) + random.uniform(-0.4, 0.4, 2) * LENGTH_M
+        return _measured_like_profile(random)
+    at_x, at_y = np.array([x_m, y_m]) + random.uniform(-0.4, 0.4, 2) * PAD_LENGTH_M
     angle, height = random.uniform(0, pi), random.uniform(0.1, 0.9)
     along = f"({cos(angle):.6f}*(x-({at_x:.6g}))+{sin(angle):.6f}*(y-({at_y:.6g})))"
     if kind == "kink":
         return f"1-{height:.4f}*abs({along})/{1.5 * SURFACE.radius_m:.6g}"
     if kind == "ridge":
-        width_m = _between(random, (LENGTH_M / 15, LENGTH_M / 3))
+        width_m = _log_uniform(random, (PAD_LENGTH_M / 15, PAD_LENGTH_M / 3))
         return f"1-{height:.4f}*exp(-({along}/{width_m:.6g})**2)"
-    width_m = _between(random, (LENGTH_M / 25, LENGTH_M / 5))
+    width_m = _log_uniform(random, (PAD_LENGTH_M / 25, PAD_LENGTH_M / 5))
     sign = random.choice(["-", "+"])
     spot = f"exp(-((x-({at_x:.6g}))**2+(y-({at_y:.6g}))**2)/{width_m:.6g}**2)"
     return f"1{sign}{height:.4f}*{spot}"
 
 
-def _smooth(random: np.random.Generator) -> str:
+def _smooth_profile(random: np.random.Generator) -> str:
     """The paper's profile with other wave numbers, or a standing wave."""
     if random.uniform() < 0.5:
         return f"sinc({random.uniform(30, 300):.6g}*r)"
-    rate = 2 * pi / _between(random, (0.5 * LENGTH_M, 3 * LENGTH_M))
+    rate = 2 * pi / _log_uniform(random, (0.5 * PAD_LENGTH_M, 3 * PAD_LENGTH_M))
     angle, phase = random.uniform(0, pi), random.uniform(0, 2 * pi)
     return f"cos({rate * cos(angle):.6g}*x+{rate * sin(angle):.6g}*y+{phase:.6g})"
 
 
-def _measured(random: np.random.Generator) -> str:
+def _measured_like_profile(random: np.random.Generator) -> str:
     """Zernike modes as the smoothing of a scan has them: the finer the smaller."""
-    orders = SURFACE.orders_up_to(ZERNIKE_DEGREE, axisymmetric=False)
+    orders = SURFACE.orders_up_to(MAX_ZERNIKE_DEGREE, axisymmetric=False)
     sizes = random.standard_normal(len(orders)) * [0.5 ** order[0] for order in orders]
     modes = Modes(orders, tuple(sizes), SURFACE)
     largest = largest_magnitude(lambda x_m, y_m: modes.amplitude(x_m=x_m, y_m=y_m), surface=SURFACE)

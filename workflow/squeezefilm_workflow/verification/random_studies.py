@@ -12,7 +12,12 @@ import pandas as pd
 from squeezefilm.cli.options import command, flag, option
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.tables import write_table
-from squeezefilm_workflow.verification.comparisons import OUTCOMES, Comparison, compared, coverage
+from squeezefilm_workflow.verification.comparisons import (
+    COMPARISON_OUTCOMES,
+    Comparison,
+    compare_study,
+    coverage,
+)
 from squeezefilm_workflow.verification.study_generator import random_study
 
 # Models of the library that a study may offer, centred ones first.
@@ -21,9 +26,9 @@ MODEL_NAMES = (
     *("four_factor", "polynomial_5", "limit_2"),
 )
 # Probability that any coverage of a campaign lies outside its interval by chance.
-CHANCE_LEVEL = 1e-3
+MISCOVERAGE_PROBABILITY = 1e-3
 # Coverage of all 95 % intervals together.
-POOLED_COVERAGE = (0.945, 0.955)
+POOLED_COVERAGE_RANGE = (0.945, 0.955)
 COVERAGE_KINDS = ("disc", "plate", "scan")
 
 
@@ -53,10 +58,10 @@ def random_studies(options: argparse.Namespace) -> None:
     """
     seeds, output = range(options.seed, options.seed + options.studies), Path(options.output)
     if options.coverage:
-        table = coverages(seeds, fresh=options.fresh, output=output)
+        table = interval_coverages(seeds, fresh=options.fresh, output=output)
     else:
-        table = statements(seeds, points=options.points, output=output)
-    print(summary(table).to_string(index=False))
+        table = compare_statements(seeds, points=options.points, output=output)
+    print(outcome_counts(table).to_string(index=False))
     failures = [
         f"seed {row['seed']}: {row['command']}: {row['quantity']} ({row['note']})"
         for _, row in table[table["outcome"] == "sure and wrong"].iterrows()
@@ -65,13 +70,13 @@ def random_studies(options: argparse.Namespace) -> None:
         of_95 = table[table["quantity"].str.endswith("within 95 %")]
         pooled = of_95["direct"].mean() / options.fresh
         print(f"all 95 % intervals together hold {100 * pooled:.2f} % of the fresh points")
-        if not POOLED_COVERAGE[0] <= pooled <= POOLED_COVERAGE[1]:
+        if not POOLED_COVERAGE_RANGE[0] <= pooled <= POOLED_COVERAGE_RANGE[1]:
             failures.append(f"coverage of all 95 % intervals together: {100 * pooled:.2f} %")
     if failures:
         raise RunError("sure and wrong: " + "; ".join(failures))
 
 
-def statements(
+def compare_statements(
     seeds: Iterable[int], *, points: int = 2, output: Path | None = None
 ) -> pd.DataFrame:
     """Forces, errors, gaps, responses and validity of studies, a row for each comparison.
@@ -81,10 +86,10 @@ def statements(
         points: scenes that are simulated of each.
         output: a table that grows study by study.
     """
-    return _campaign(seeds, ("any",), partial(compared, points=points), output=output)
+    return _run_campaign(seeds, ("any",), partial(compare_study, points=points), output=output)
 
 
-def coverages(
+def interval_coverages(
     seeds: Sequence[int],
     *,
     models: Sequence[str] = MODEL_NAMES,
@@ -101,12 +106,12 @@ def coverages(
         sample: points of each validation sample.
         output: a table that grows study by study.
     """
-    level = CHANCE_LEVEL / (len(seeds) * len(models) * 2)
+    level = MISCOVERAGE_PROBABILITY / (len(seeds) * len(models) * 2)
     check = partial(coverage, models=models, fresh=fresh, level_of_test=level)
-    return _campaign(seeds, COVERAGE_KINDS, check, output=output, validation={"points": sample})
+    return _run_campaign(seeds, COVERAGE_KINDS, check, output=output, validation={"points": sample})
 
 
-def _campaign(
+def _run_campaign(
     seeds: Iterable[int],
     kinds: Sequence[str],
     check: Callable[..., Iterator[Comparison]],
@@ -132,7 +137,7 @@ def _campaign(
     return pd.concat(tables, ignore_index=True)
 
 
-def summary(table: pd.DataFrame) -> pd.DataFrame:
+def outcome_counts(table: pd.DataFrame) -> pd.DataFrame:
     """Number of comparisons by command, quantity and outcome."""
     counts = pd.crosstab([table["command"], table["quantity"]], table["outcome"])
-    return counts.reindex(columns=list(OUTCOMES), fill_value=0).reset_index()
+    return counts.reindex(columns=list(COMPARISON_OUTCOMES), fill_value=0).reset_index()

@@ -42,26 +42,29 @@ def poiseuille_flow(inverse_knudsen: float, *, points: int = 60, half_rule: int 
     for row, point in enumerate(at.tolist()):
         for length in (-1 - point, 1 - point):
             nodes = point + length * quadrature_nodes
-            kernel = _abramowitz(half * np.abs(_crowded(nodes) - _crowded(np.array(point))))
-            kernel *= half * _crowding(nodes) * abs(length) * node_weights / np.sqrt(np.pi)
+            kernel = _abramowitz_function(
+                half
+                * np.abs(_place_crowded_at_walls(nodes) - _place_crowded_at_walls(np.array(point)))
+            )
+            kernel *= half * _slope_of_crowding(nodes) * abs(length) * node_weights / np.sqrt(np.pi)
             equation[row] -= kernel @ interpolation(nodes)
     profile = np.linalg.solve(equation, np.ones(points))
-    return float((half * weights * _crowding(at) @ profile - 2 * half) / (2 * half) ** 2)
+    return float((half * weights * _slope_of_crowding(at) @ profile - 2 * half) / (2 * half) ** 2)
 
 
-def _abramowitz(x: np.ndarray) -> np.ndarray:
+def _abramowitz_function(x: np.ndarray) -> np.ndarray:
     """T(x) of each x, shape (n,)."""
     t = np.exp(LOG_T)
     return np.exp(-(t**2) - np.maximum(x, 1e-18)[:, None] / t).sum(axis=1) * LOG_T_STEP
 
 
-def _crowded(q: np.ndarray) -> np.ndarray:
+def _place_crowded_at_walls(q: np.ndarray) -> np.ndarray:
     """Place across the gap, −1 … 1, of a variable in which places crowd at both walls."""
     return (35 * q - 35 * q**3 + 21 * q**5 - 5 * q**7) / 16
 
 
-def _crowding(q: np.ndarray) -> np.ndarray:
-    """Slope of ``_crowded``."""
+def _slope_of_crowding(q: np.ndarray) -> np.ndarray:
+    """Slope of ``_place_crowded_at_walls``."""
     return 35 / 16 * (1 - q**2) ** 3
 
 

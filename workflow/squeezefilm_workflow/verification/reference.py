@@ -23,20 +23,25 @@ from scipy.linalg import block_diag, eigh
 from scipy.special import eval_legendre, roots_jacobi
 
 from squeezefilm.film.scene import Scene
-from squeezefilm_workflow.verification.marching import FloatArray, Operator, fold_of, newton_krylov
+from squeezefilm_workflow.verification.marching import (
+    FloatArray,
+    LinearMap,
+    film_symmetry,
+    newton_krylov,
+)
 
-ROUND_OFF = 1e-13  # of the force, in units of p0 l0^2
+FORCE_ROUND_OFF = 1e-13  # of the force, in units of p0 l0^2
 NEWTON_TOLERANCE = 1e-12  # of Newton's method, on a mass perturbation
 
 
-class Reference(NamedTuple):
+class ReferenceForce(NamedTuple):
     """A mean force in units of p0 l0^2 and how far it may be from the truth."""
 
     force: float
     uncertainty: float
 
 
-def reference_force(scene: Scene, *, degree: int = 18) -> Reference:
+def reference_force(scene: Scene, *, degree: int = 18) -> ReferenceForce:
     """The mean force of a square film without any term but that of the gap's shape.
 
     Args:
@@ -50,16 +55,16 @@ def reference_force(scene: Scene, *, degree: int = 18) -> Reference:
     fewer = instants * 4 // 5
     coarse = _mean_force(scene, degree=degree - 4, instants=fewer + 1 - fewer % 2)
     fine = _mean_force(scene, degree=degree, instants=instants + 1 - instants % 2)
-    return Reference(force=fine, uncertainty=abs(fine - coarse) + ROUND_OFF)
+    return ReferenceForce(force=fine, uncertainty=abs(fine - coarse) + FORCE_ROUND_OFF)
 
 
-class _Side:
+class _SpectralElementSide:
     """Spectral elements along one side: global nodes that carry unknowns, and element nodes."""
 
     def __init__(self, *, degree: int, folded: bool) -> None:
         half = np.array([0.0, 0.09, 0.5])
         edges = half if folded else np.concatenate([half, 1 - half[-2::-1]])
-        nodes, weights, derivative = lobatto(degree)
+        nodes, weights, derivative = gauss_lobatto(degree)
         widths = np.diff(edges)
         # Of each element's nodes the global ones, the last of an element the first of the next.
         node_indices = (degree * np.arange(len(widths))[:, None] + np.arange(degree + 1)).ravel()
@@ -75,7 +80,7 @@ class _Side:
         self.values, self.modes = eigh(stiffness, np.diag(self.mass))
 
 
-def lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def gauss_lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Gauss-Lobatto-Legendre nodes on [-1, 1], weights, and the derivative matrix."""
     # The inner nodes are the zeros of the derivative of Legendre's polynomial.
     nodes = np.concatenate([[-1.0], roots_jacobi(degree - 1, 1, 1)[0], [1.0]])
@@ -85,8 +90,8 @@ def lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
-    sigma, fold = scene.sigma, fold_of(scene)
-    x, y = (_Side(degree=degree, folded=folded) for folded in fold)
+    sigma, fold = scene.sigma, film_symmetry(scene)
+    x, y = (_SpectralElementSide(degree=degree, folded=folded) for folded in fold)
     phase = 2 * math.pi * np.arange(instants) / instants
 
     def gap_at(x_nodes: FloatArray, y_nodes: FloatArray) -> FloatArray:
@@ -109,7 +114,7 @@ def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
 
     squeeze = rate(height)
 
-    def linearised(u: FloatArray) -> tuple[FloatArray, Operator, FloatArray]:
+    def linearised(u: FloatArray) -> tuple[FloatArray, LinearMap, FloatArray]:
         pressure = np.sqrt(1 + 2 * u)
         symbol = np.mean(height**2 * pressure) * laplacian + sigma * i_k
         to_u = pressure / height

@@ -21,29 +21,43 @@ from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.terms import label_of, terms_of
+from squeezefilm.reynolds.terms import terms_label, terms_of
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import space_of
-from squeezefilm_workflow.verification.films import PADS, PISTON
-from squeezefilm_workflow.verification.origin import origin
-from squeezefilm_workflow.verification.work_precision import FILMS, measure, work_precision
+from squeezefilm_workflow.verification.films import PISTON, SHAPE_OF_PAD
+from squeezefilm_workflow.verification.origin import origin_lines
+from squeezefilm_workflow.verification.work_precision import (
+    FILMS,
+    measure_call_times,
+    work_precision,
+)
 
-PAPER = "config/paper.yaml"
-USED_LINE = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
+PAPER_CONFIG = "config/paper.yaml"
+USED_LINE_PATTERN = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
 """The last line of a job's log, which `scripts/job.py` writes."""
-ONE_FORCE = ("-m", "squeezefilm", "simulate", "--config", PAPER, "--h0", "5um", "--hv", "2.2um")
-DRY_RUN = ("-m", "snakemake", "-n", "--quiet", "all")
+ONE_FORCE_COMMAND = (
+    "-m",
+    "squeezefilm",
+    "simulate",
+    "--config",
+    PAPER_CONFIG,
+    "--h0",
+    "5um",
+    "--hv",
+    "2.2um",
+)
+DRY_RUN_COMMAND = ("-m", "snakemake", "-n", "--quiet", "all")
 CONTEXT_CODE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
 PYTHON_CODES = ("pass", "import numpy", CONTEXT_CODE)
-BATCHES = ((1, 300), (10_000, 5))
+SCENES_AND_REPEATS = ((1, 300), (10_000, 5))
 """Scenes of a batch, and how often it is solved; the median counts."""
-TERM_SCENES, TERM_TOLERANCE = 24, 1e-4
-TERM_H0_M, TERM_EPSILON = (1e-5, 3e-5), (0.05, 0.4)
+TERM_SCENE_COUNT, TERM_TOLERANCE = 24, 1e-4
+TERM_H0_RANGE_M, TERM_EPSILON_RANGE = (1e-5, 3e-5), (0.05, 0.4)
 TERM_SIDES_M = {"square": 35.4e-3, "disc": 40e-3}
-NO_EFFECTS = Gas(inertia="none", thermal="none")
-INERTIA, THERMAL = {"inertia": "included"}, {"thermal": "included"}
+GAS_WITHOUT_EFFECTS = Gas(inertia="none", thermal="none")
+INERTIA_INCLUDED, THERMAL_INCLUDED = {"inertia": "included"}, {"thermal": "included"}
 """Pads above a piston, and inertia and thermal effects of the gas, whose scenes are timed."""
-ROUNDS = 9
+TIMING_ROUNDS = 9
 """Of the processes, one after the other; the first warms up, of the others the median counts."""
 
 
@@ -62,10 +76,10 @@ def run_times(options: argparse.Namespace) -> None:
     methods, and how often the solver's is in it where its error is no larger. Nothing else should
     run meanwhile.
     """
-    head = origin("run-times --output docs/data")
+    head = origin_lines("run-times --output docs/data")
     for measured in (
-        *(paper_times, force_times, batch_times, term_times),
-        *(equal_error, equal_error_with_effects),
+        *(paper_run_times, one_force_times, batch_times, times_by_term),
+        *(equal_error_times, equal_error_times_with_effects),
     ):
         print_step(f"{measured.__name__}: measuring")
         table = measured()
@@ -73,7 +87,7 @@ def run_times(options: argparse.Namespace) -> None:
         write_text(head + table.to_csv(index=False), options.output / f"{measured.__name__}.csv")
 
 
-def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
+def paper_run_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
     """Processor time and memory by rule, from the logs of a finished run, the largest first.
 
     Raises InputError where no log of the folder is one of a job that ended.
@@ -82,7 +96,7 @@ def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
         [
             (path.relative_to(logs).parts[0].removesuffix(".log"), float(used[1]), int(used[2]))
             for path in logs.rglob("*.log")
-            if (used := USED_LINE.search(path.read_text(encoding="utf-8")))
+            if (used := USED_LINE_PATTERN.search(path.read_text(encoding="utf-8")))
         ],
         columns=["rule", "seconds", "memory"],
     )
@@ -97,11 +111,18 @@ def paper_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
     return rules.astype({"jobs": int, "memory": int}).round(1).rename(columns=names).reset_index()
 
 
-def force_times() -> pd.DataFrame:
+def one_force_times() -> pd.DataFrame:
     """Processor time of one force from the shell by what the process does, kernels in the cache."""
     python_alone, with_numpy, with_device = (("-c", code) for code in PYTHON_CODES)
-    processes = python_alone, with_numpy, with_device, (*ONE_FORCE, "--help"), ONE_FORCE, DRY_RUN
-    rounds = [[child_seconds(*words) for words in processes] for _ in range(ROUNDS)]
+    processes = (
+        python_alone,
+        with_numpy,
+        with_device,
+        (*ONE_FORCE_COMMAND, "--help"),
+        ONE_FORCE_COMMAND,
+        DRY_RUN_COMMAND,
+    )
+    rounds = [[child_cpu_seconds(*words) for words in processes] for _ in range(TIMING_ROUNDS)]
     python, numpy, device, options, force, nothing = np.median(rounds[1:], axis=0)
     parts = {
         "Python": python,
@@ -121,11 +142,11 @@ def batch_times() -> pd.DataFrame:
 
     The host is the main thread; on a processor kernels run on others.
     """
-    study, rows = load(PAPER), []
-    points = random_plan(points=BATCHES[-1][0], seed=1, **space_of(study.config).limits)
-    for (count, repeats), tolerance in product(BATCHES, (1e-4, 1e-6)):
+    study, rows = load(PAPER_CONFIG), []
+    points = random_plan(points=SCENES_AND_REPEATS[-1][0], seed=1, **space_of(study.config).limits)
+    for (count, repeats), tolerance in product(SCENES_AND_REPEATS, (1e-4, 1e-6)):
         call = partial(solve, study.scenes(points[:count]), tolerance=tolerance)
-        _, times = measure(call, repeats=repeats, long_seconds=np.inf)
+        _, times = measure_call_times(call, repeats=repeats, long_seconds=np.inf)
         wall, processor, host = 1e3 * times / count
         rows.append((count, tolerance, wall, processor, host, processor - host))
     columns = ["scenes", "tolerance", "wall", "processor", "host", "kernels"]
@@ -134,27 +155,31 @@ def batch_times() -> pd.DataFrame:
     return table.assign(**shown).rename(columns={name: f"{name} (ms a scene)" for name in shown})
 
 
-def term_times() -> pd.DataFrame:
+def times_by_term() -> pd.DataFrame:
     """Times per scene and Krylov iterations of two pads above a piston in air, warm."""
     random, rows = np.random.default_rng(1), []
-    h0_m = random.uniform(*TERM_H0_M, TERM_SCENES)
-    hv_m = h0_m * random.uniform(*TERM_EPSILON, TERM_SCENES)
-    for (pad, side_m), effects in product(TERM_SIDES_M.items(), ({}, INERTIA, INERTIA | THERMAL)):
+    h0_m = random.uniform(*TERM_H0_RANGE_M, TERM_SCENE_COUNT)
+    hv_m = h0_m * random.uniform(*TERM_EPSILON_RANGE, TERM_SCENE_COUNT)
+    for (pad, side_m), effects in product(
+        TERM_SIDES_M.items(), ({}, INERTIA_INCLUDED, INERTIA_INCLUDED | THERMAL_INCLUDED)
+    ):
         actuator = Actuator(20e3, side_m, profile=PISTON)
-        film = Film(NO_EFFECTS, actuator, Pad(side_m, side_m, 0.0, shape=PADS[pad]))
+        film = Film(
+            GAS_WITHOUT_EFFECTS, actuator, Pad(side_m, side_m, 0.0, shape=SHAPE_OF_PAD[pad])
+        )
         scenes = [film.scene(*gap_m).with_gas(**effects) for gap_m in zip(h0_m, hv_m, strict=True)]
         call = partial(solve, scenes, tolerance=TERM_TOLERANCE)
-        solutions, (_, processor, _) = measure(call, repeats=5, long_seconds=np.inf)
-        milliseconds = f"{1e3 * processor / TERM_SCENES:.2g}"
+        solutions, (_, processor, _) = measure_call_times(call, repeats=5, long_seconds=np.inf)
+        milliseconds = f"{1e3 * processor / TERM_SCENE_COUNT:.2g}"
         solved = int(np.sum(solutions.status == "ok"))
         iterations = f"{np.mean(solutions.krylov_iterations):.0f}"
-        terms = label_of(terms_of(scenes[0]))
+        terms = terms_label(terms_of(scenes[0]))
         rows.append((f"{pad}, {1e3 * side_m:g} mm", terms, solved, milliseconds, iterations))
     columns = ["pad", "terms", "solved", "processor (ms a scene)", "Krylov iterations"]
     return pd.DataFrame(rows, columns=columns)
 
 
-def equal_error(films: tuple[Scene, ...] = FILMS[1:2]) -> pd.DataFrame:
+def equal_error_times(films: tuple[Scene, ...] = FILMS[1:2]) -> pd.DataFrame:
     """First and last run of each other method on films, and the solver's at equal error.
 
     Of those runs that a run of the solver is no worse than.
@@ -177,12 +202,12 @@ def equal_error(films: tuple[Scene, ...] = FILMS[1:2]) -> pd.DataFrame:
     return pd.DataFrame({"film": ends["case"], "other method": ends["method"], **shown})
 
 
-def equal_error_with_effects() -> pd.DataFrame:
+def equal_error_times_with_effects() -> pd.DataFrame:
     """Return the same of films with inertia and thermal effects."""
-    return equal_error(FILMS[4:])
+    return equal_error_times(FILMS[4:])
 
 
-def child_seconds(*words: str) -> float:
+def child_cpu_seconds(*words: str) -> float:
     """Return the processor seconds of a Python process.
 
     Raises subprocess.CalledProcessError where it fails.

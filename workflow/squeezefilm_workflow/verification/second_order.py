@@ -8,7 +8,7 @@ W the flow through surfaces of constant ζ, they are
     Re {r (∂u/∂T + (u·∇)u) + (r W/H) ∂u/∂ζ} = −(12/σ) ∇P + ∂(θ^κ ∂u/∂ζ)/∂ζ /H²,
 
 walls at ζ = ±1/2. The first order is in proportion to e^(iT): p by the factors of
-``linear_film.exact_flow``, u = U(ζ) F with F = −(12/σ) ∇p, and θ = 1 + (1 − 1/γ) Θ(ζ) p. Of the
+``linear_film.exact_factors``, u = U(ζ) F with F = −(12/σ) ∇p, and θ = 1 + (1 − 1/γ) Θ(ζ) p. Of the
 second order the mean is asked for. Its flow over the gap has no divergence, a Poisson equation for
 the mean pressure, 0 on the edge; its temperature is not needed, for gas at rest carries nothing.
 """
@@ -24,14 +24,14 @@ from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
 from squeezefilm_workflow.verification.films import PISTON, film
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
-from squeezefilm_workflow.verification.published.linear_film import exact_flow
+from squeezefilm_workflow.verification.published.linear_film import exact_factors
 
 REYNOLDS_BY_THERMAL = {False: (0.45, 1.0, 4.0, 10.0, 20.0), True: (0.45, 1.8, 4.0, 7.0, 10.0)}
 SIGMA_BY_THERMAL = {False: (20.0, 100.0, 600.0, 2400.0), True: (25.0, 100.0, 600.0)}
 """Of the table's rows, without and with thermal effects."""
 PRANDTL, HEAT_CAPACITY_RATIO, VISCOSITY_EXPONENT = 0.71, 1.4, 0.7
 # Nodes along each side of the pad and across half of the gap.
-NODES, NODES_ACROSS_HALF_GAP = 64, 24
+NODES_PER_SIDE, NODES_ACROSS_HALF_GAP = 64, 24
 # Excursion ratio of the solver's depth-averaged forces, which is as good as 0: the next order is
 # its square.
 SMALL_EPSILON = 5e-4
@@ -44,15 +44,15 @@ def depth_averaged(options: argparse.Namespace) -> None:
     squeezefilm-verification depth-averaged --output depth_averaged.csv
     """
     lines = ["thermal,reynolds,sigma,averaged,resolved"]
-    for thermal, reynolds, sigma in table_points():
+    for thermal, reynolds, sigma in table_cases():
         print_step(f"Re {reynolds:g}, σ {sigma:g}{', thermal effects' * thermal}")
-        averaged = averaged_force(reynolds=reynolds, sigma=sigma, thermal=thermal)
-        resolved = resolved_force(reynolds=reynolds, sigma=sigma, thermal=thermal)
+        averaged = depth_averaged_force(reynolds=reynolds, sigma=sigma, thermal=thermal)
+        resolved = depth_resolved_force(reynolds=reynolds, sigma=sigma, thermal=thermal)
         lines.append(f"{thermal:d},{reynolds:g},{sigma:g},{averaged:.6f},{resolved:.6f}")
     write_text("\n".join(lines) + "\n", options.output)
 
 
-def table_points() -> list[tuple[bool, float, float]]:
+def table_cases() -> list[tuple[bool, float, float]]:
     """Return thermal effects or not, Re and σ of the table's rows."""
     return [
         (thermal, reynolds, sigma)
@@ -62,7 +62,7 @@ def table_points() -> list[tuple[bool, float, float]]:
     ]
 
 
-def averaged_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
+def depth_averaged_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     """The solver's force on a square piston over ε² and p0 times its area, as ε → 0."""
     scene = film("", SMALL_EPSILON, sigma, profile=PISTON, reynolds=reynolds).with_gas(
         thermal="included" if thermal else "none",
@@ -74,9 +74,9 @@ def averaged_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     return solution.force_n / (scene.force_scale_n * SMALL_EPSILON**2)
 
 
-def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
+def depth_resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     """The same with velocity, and temperature where it is included, resolved across the gap."""
-    line = chebyshev_grid(NODES)
+    line = chebyshev_grid(NODES_PER_SIDE)
     inner = slice(1, -1), slice(1, -1)
     values, vectors, inverse = line.modes
     decays = np.add.outer(values, values)
@@ -97,7 +97,7 @@ def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
 
     prandtl = PRANDTL if thermal else 0.0
     warming = (1 - 1 / HEAT_CAPACITY_RATIO) * thermal
-    factors = exact_flow(reynolds, prandtl=prandtl, heat_capacity_ratio=HEAT_CAPACITY_RATIO)
+    factors = exact_factors(reynolds, prandtl=prandtl, heat_capacity_ratio=HEAT_CAPACITY_RATIO)
     gap = np.full((len(line.x), len(line.x)), -1j)
     rate = 1j * sigma / factors.flow
     pressure = poisson(rate * gap, rate * factors.density)
@@ -111,8 +111,8 @@ def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     nodes, weights = np.polynomial.legendre.leggauss(NODES_ACROSS_HALF_GAP)
     q, q_heat = np.sqrt(1j * reynolds) / 2, np.sqrt(1j * prandtl * reynolds) / 2
     for zeta, weight in zip((nodes + 1) / 4, weights / 2, strict=True):
-        speed, speed_integral = _profile(q, zeta)
-        warmth, warmth_integral = _profile(q_heat, zeta)
+        speed, speed_integral = _velocity_profile(q, zeta)
+        warmth, warmth_integral = _velocity_profile(q_heat, zeta)
         speed, speed_integral = speed / (1j * reynolds), speed_integral / (1j * reynolds)
         shear = -2 * q * np.sinh(2 * q * zeta) / np.cosh(q) / (1j * reynolds)
         bend = -np.cosh(2 * q * zeta) / np.cosh(q)
@@ -133,7 +133,7 @@ def resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     return float(line.weights @ second @ line.weights)
 
 
-def _profile(q: complex, zeta: float) -> tuple[complex, complex]:
+def _velocity_profile(q: complex, zeta: float) -> tuple[complex, complex]:
     """1 − cosh(2 q ζ)/cosh q and its integral from the middle."""
     if q == 0:
         return 0.0, 0.0

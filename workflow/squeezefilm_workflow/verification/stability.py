@@ -1,8 +1,8 @@
 """Stiff and extreme films, each with checks that are independent of the solver.
 
 Verdicts: *solved*, all checks passed; *unchecked*, solved, but no check can be had; *not
-supported*, the solver says so and the film lies where that is documented (`films.beyond_reason`);
-*failed*, anything else, with the checks that did not pass.
+supported*, the solver says so and the film lies where that is documented
+(`films.beyond_region_reason`); *failed*, anything else, with the checks that did not pass.
 
 A pressure is carried to a finer grid, where the equation is evaluated in another form and another
 program (``numpy_periodic``); the residual is that of discretisation, iteration and code together.
@@ -29,21 +29,26 @@ from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.launch import States
 from squeezefilm.reynolds.spectral import period
-from squeezefilm.reynolds.terms import label_of, terms_of
+from squeezefilm.reynolds.terms import terms_label, terms_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, is_axisymmetric
-from squeezefilm_workflow.verification.films import PADS, beyond_reason, steepens, with_effects
-from squeezefilm_workflow.verification.marching import fold_of
-from squeezefilm_workflow.verification.numpy_periodic import Collocation
-from squeezefilm_workflow.verification.origin import origin
+from squeezefilm_workflow.verification.films import (
+    SHAPE_OF_PAD,
+    beyond_region_reason,
+    films_with_effects,
+    waves_steepen,
+)
+from squeezefilm_workflow.verification.marching import film_symmetry
+from squeezefilm_workflow.verification.numpy_periodic import CollocatedFilm
+from squeezefilm_workflow.verification.origin import origin_lines
 
 TOLERANCE = 1e-4
 # A force is solved for again to this share of the tolerance.
-FINER_RATIO = 0.1
+FINER_TOLERANCE_RATIO = 0.1
 # Nodes and instants of a check over those of the solver's grid.
 FINER_GRID_RATIO = 1.25
 # Points times instants of the other program, whose matrices are dense: a film takes seconds.
-MOST_POINTS = 12_500
+MAX_POINTS_TIMES_INSTANTS = 12_500
 # What each check may find. The residual is a first-order estimate of the force's error; a film in
 # distress exceeds this by far.
 ALLOWED_DEVIATIONS = {
@@ -66,17 +71,17 @@ def stability_plane(options: argparse.Namespace) -> None:
 
     The films span Re 0.1 to 20, σ 1 to 1e5 and ε 0.1 to 0.9. The exit status is 1 where one fails.
     """
-    films = (("", scene) for pad in PADS for scene in with_effects(pad))
+    films = (("", scene) for pad in SHAPE_OF_PAD for scene in films_with_effects(pad))
     table = stability(films, device=choose_device())
     write_table(table, options.output)
-    head = origin("stability-plane --output TABLE.csv --summary SUMMARY.csv")
-    shown = summary(table).to_csv(index=False)
+    head = origin_lines("stability-plane --output TABLE.csv --summary SUMMARY.csv")
+    shown = verdict_summary(table).to_csv(index=False)
     write_text(head + shown, options.summary)
     print(shown)
-    raise_failures(table)
+    raise_failed_films(table)
 
 
-def summary(table: pd.DataFrame) -> pd.DataFrame:
+def verdict_summary(table: pd.DataFrame) -> pd.DataFrame:
     """Counts of verdicts and the largest deviations by pad and Reynolds number."""
     films = [
         table["case"].str.partition(",")[0].rename("pad"),
@@ -91,7 +96,7 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     return counts.join([compared, largest]).reset_index()
 
 
-def raise_failures(table: pd.DataFrame) -> None:
+def raise_failed_films(table: pd.DataFrame) -> None:
     """Raise RunError where a film of a table has failed."""
     failed = table[table["verdict"] == "failed"]
     if len(failed):
@@ -107,7 +112,7 @@ def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.Data
         row = {
             "case": scene.point_id,
             "group": group,
-            "terms": label_of(terms_of(scene)),
+            "terms": terms_label(terms_of(scene)),
             "epsilon": round(scene.epsilon, 6),
             "sigma": round(scene.sigma, 6),
             "bearing_number": round(scene.bearing_number, 6),
@@ -120,7 +125,7 @@ def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.Data
 
 
 def _row_of_film(scene: Scene, *, device: Device) -> dict[str, Any]:
-    why = beyond_reason(scene)
+    why = beyond_region_reason(scene)
     try:
         check_scene(scene)
         (solution,) = solve([scene], tolerance=TOLERANCE, device=device, keep_states=True)
@@ -130,7 +135,7 @@ def _row_of_film(scene: Scene, *, device: Device) -> dict[str, Any]:
     if refusal:
         reason = f"{why}: {refusal}" if why else refusal
         return {"verdict": "not supported" if why else "failed", "reason": reason}
-    checks = _checks(scene, solution, device=device)
+    checks = _deviations_of_checks(scene, solution, device=device)
     checks = {name: each for name, each in checks.items() if math.isfinite(each) or not why}
     shares = {name: each / ALLOWED_DEVIATIONS[name] for name, each in checks.items()}
     broken = [name for name, share in shares.items() if not share <= 1]
@@ -147,10 +152,10 @@ def _row_of_film(scene: Scene, *, device: Device) -> dict[str, Any]:
     }
 
 
-def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, float]:
+def _deviations_of_checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, float]:
     """Return the independent checks of a film's force and state."""
 
-    def again(tolerance: float) -> tuple[Solution, float]:
+    def solve_again(tolerance: float) -> tuple[Solution, float]:
         (found,) = solve(
             [scene], tolerance=tolerance, method="periodic", device=device, keep_states=True
         )
@@ -161,30 +166,30 @@ def _checks(scene: Scene, solution: Solution, *, device: Device) -> dict[str, fl
     periodic, off = solution, 0.0
     if solution.method != "periodic":
         # A limit's force must be that of the full equation, where that can be had.
-        periodic, off = again(TOLERANCE)
+        periodic, off = solve_again(TOLERANCE)
         checks["method_difference"] = off
     if scene.pad.shape != "rectangle" or scene.gas.inertia == "included":
-        finer, checks["finer_difference"] = again(FINER_RATIO * TOLERANCE)
+        finer, checks["finer_difference"] = solve_again(FINER_TOLERANCE_RATIO * TOLERANCE)
         independent_n = independent_force(scene, finer if finer.status == "ok" else periodic)
         if math.isfinite(independent_n):
             checks["independent_difference"] = abs(solution.force_n / independent_n - 1)
     elif math.isfinite(off):
-        checks |= check_state(scene, periodic.states[-1])
+        checks |= deviations_of_state(scene, periodic.states[-1])
     return checks
 
 
 def independent_force(scene: Scene, solution: Solution) -> float:
     """Return the force in newtons of another program on a finer grid than the solution's.
 
-    NaN where it has none: its grid would be larger than MOST_POINTS, it does not converge, or waves
-    steepen, where it takes minutes to find that out.
+    NaN where it has none: its grid would be larger than MAX_POINTS_TIMES_INSTANTS, it does not
+    converge, or waves steepen, where it takes minutes to find that out.
     """
-    if scene.gas.inertia == "included" and steepens(scene):
+    if scene.gas.inertia == "included" and waves_steepen(scene):
         return math.nan
     points = 4 * math.ceil(FINER_GRID_RATIO * (max(solution.nx, solution.ny) + 2) / 4)
     instants = math.ceil(FINER_GRID_RATIO * solution.nt) // 2 * 2 + 1
-    size = instants * points**2 / 2 ** sum(fold_of(scene))
-    if size > MOST_POINTS and not is_axisymmetric(scene):
+    size = instants * points**2 / 2 ** sum(film_symmetry(scene))
+    if size > MAX_POINTS_TIMES_INSTANTS and not is_axisymmetric(scene):
         return math.nan
     effects = Effects(
         inertia=scene.gas.inertia == "included",
@@ -197,7 +202,7 @@ def independent_force(scene: Scene, solution: Solution) -> float:
         return math.nan
 
 
-def check_state(scene: Scene, state: States) -> dict[str, float]:
+def deviations_of_state(scene: Scene, state: States) -> dict[str, float]:
     """Check a periodic state.
 
     Returns:
@@ -208,7 +213,7 @@ def check_state(scene: Scene, state: States) -> dict[str, float]:
     grid, in_time = state.grid, period(state.grid.nt)
     known = grid.x.full_points, grid.y.full_points, grid.nt
     nx, ny, nt = (2 * math.ceil(0.625 * n) for n in known)  # a quarter more, and even
-    finer = Collocation(scene, nx=nx, ny=ny, nt=nt)
+    finer = CollocatedFilm(scene, nx=nx, ny=ny, nt=nt)
     at = grid.x.at(finer.x.x[1:-1]), grid.y.at(finer.y.x[1:-1]), in_time.at(period(nt).nodes)
     p = np.einsum("xa,yb,ti,abi->xyt", *at, state.unknowns[0], optimize=True)
     correction = finer.preconditioner(p)(finer.residual(p))

@@ -12,26 +12,26 @@ from squeezefilm.api.models import Study
 from squeezefilm.config.loading import parse_config
 
 # Of the vibration.
-WAVELENGTH_M = (3e-3, 30e-3)
-# Length of the pad along x; of UNUSUAL_FRACTION studies.
-PAD_M, SMALL_PAD_M = (4e-3, 15e-3), (20e-6, 4e-3)
-# Smallest gap of the study's range; of UNUSUAL_FRACTION studies.
-GAP_M, UNUSUAL_GAP_M = (1.5e-6, 15e-6), (20e-9, 100e-6)
-FREQUENCY_HZ = (5e3, 1e5)
-TOLERANCES = (1e-3, 1e-3, 1e-4)
+WAVELENGTH_RANGE_M = (3e-3, 30e-3)
+# Length of the pad along x; of UNUSUAL_STUDY_FRACTION studies.
+PAD_LENGTH_RANGE_M, SMALL_PAD_LENGTH_RANGE_M = (4e-3, 15e-3), (20e-6, 4e-3)
+# Smallest gap of the study's range; of UNUSUAL_STUDY_FRACTION studies.
+SMALLEST_GAP_RANGE_M, UNUSUAL_SMALLEST_GAP_RANGE_M = (1.5e-6, 15e-6), (20e-9, 100e-6)
+FREQUENCY_RANGE_HZ = (5e3, 1e5)
+DRAWN_TOLERANCES = (1e-3, 1e-3, 1e-4)
 # Share of studies whose pad is small, and as many whose gap is unusual: limits of validity.
-UNUSUAL_FRACTION = 0.15
+UNUSUAL_STUDY_FRACTION = 0.15
 
-VIBRATIONS = ("bessel", "standing-wave", "travelling-wave", "piston")
-# Probabilities of VIBRATIONS, by the kind of study.
-FRACTIONS_OF_KIND = {
+VIBRATION_KINDS = ("bessel", "standing-wave", "travelling-wave", "piston")
+# Probabilities of VIBRATION_KINDS, by the kind of study.
+PROBABILITIES_OF_KIND = {
     "any": (0.4, 0.25, 0.2, 0.15),
     "disc": (1.0, 0.0, 0.0, 0.0),
     "plate": (0.0, 0.6, 0.4, 0.0),
     "scan": (0.5, 0.5, 0.0, 0.0),
 }
 # Points of a scan across the surface, and their noise over the largest amplitude.
-SCAN_POINTS, SCAN_NOISE = 61, 0.01
+SCAN_POINTS_ACROSS, SCAN_NOISE_FRACTION = 61, 0.01
 
 
 def random_study(seed: int, *, folder: Path, kind: str = "any", **settings: Any) -> Study:
@@ -39,31 +39,36 @@ def random_study(seed: int, *, folder: Path, kind: str = "any", **settings: Any)
 
     Args:
         folder: where the file of a measured vibration is written.
-        kind: one of FRACTIONS_OF_KIND; a scan is that of a disc or a plate.
+        kind: one of PROBABILITIES_OF_KIND; a scan is that of a disc or a plate.
         settings: sections of its configuration that are not drawn.
     """
-    values = drawn(seed, kind=kind) | settings
+    values = drawn_values(seed, kind=kind) | settings
     if kind == "scan":
         file = folder / f"{values['study']}.csv"
-        file.write_text(_scan(_study(values, folder), seed), encoding="utf-8")
+        file.write_text(_simulated_scan(_study_of_values(values, folder), seed), encoding="utf-8")
         values["actuator"]["profile"] = {"kind": "measured", "file": file.name}
-    return _study(values, folder)
+    return _study_of_values(values, folder)
 
 
-def _study(values: dict[str, Any], folder: Path) -> Study:
+def _study_of_values(values: dict[str, Any], folder: Path) -> Study:
     return Study(parse_config(json.dumps(values), path=folder / f"{values['study']}.yaml"))
 
 
-def drawn(seed: int, *, kind: str = "any") -> dict[str, Any]:
+def drawn_values(seed: int, *, kind: str = "any") -> dict[str, Any]:
     """The configuration of a seed's study, as a file would have it; of a scan what is scanned."""
     random = np.random.default_rng(seed)
-    pad = _pad(random)
-    gap_m = _between(random, UNUSUAL_GAP_M if random.uniform() < UNUSUAL_FRACTION else GAP_M)
+    pad = _random_pad(random)
+    gap_m = _log_uniform(
+        random,
+        UNUSUAL_SMALLEST_GAP_RANGE_M
+        if random.uniform() < UNUSUAL_STUDY_FRACTION
+        else SMALLEST_GAP_RANGE_M,
+    )
     amplitude_m = random.uniform(0.1, 0.85) * gap_m
     return {
         "study": f"random-{seed}",
-        "gas": _gas(random),
-        "actuator": _actuator(random, pad, FRACTIONS_OF_KIND[kind]),
+        "gas": _random_gas(random),
+        "actuator": _random_actuator(random, pad, PROBABILITIES_OF_KIND[kind]),
         "pad": pad,
         "screen": {
             "h0": {"start": gap_m, "stop": random.uniform(1.3, 2.5) * gap_m, "levels": 5},
@@ -74,39 +79,44 @@ def drawn(seed: int, *, kind: str = "any") -> dict[str, Any]:
             },
         },
         "extrapolation": {"force": 1.0},
-        "solver": {"tolerance": float(random.choice(TOLERANCES))},
+        "solver": {"tolerance": float(random.choice(DRAWN_TOLERANCES))},
     }
 
 
-def _between(random: np.random.Generator, limits: tuple[float, float]) -> float:
+def _log_uniform(random: np.random.Generator, limits: tuple[float, float]) -> float:
     """Uniform in its logarithm."""
     low, high = limits
     return float(10 ** random.uniform(log10(low), log10(high)))
 
 
-def _gas(random: np.random.Generator) -> dict[str, Any]:
+def _random_gas(random: np.random.Generator) -> dict[str, Any]:
     """Air under some pressure, or another gas."""
     gas: dict[str, Any] = {
-        "ambient_pressure": _between(random, (3e4, 5e5)),
+        "ambient_pressure": _log_uniform(random, (3e4, 5e5)),
         "rarefaction": str(random.choice(["none", "none", "slip", "fukui-kaneko"])),
         **{term: str(random.choice(["auto", "auto", "none"])) for term in ("inertia", "thermal")},
     }
     if random.uniform() < 0.5:
         return gas
     return gas | {
-        "viscosity": _between(random, (8e-6, 3e-5)),
-        "density": _between(random, (0.1, 6.0)),
-        "mean_free_path": _between(random, (2e-8, 3e-7)),
+        "viscosity": _log_uniform(random, (8e-6, 3e-5)),
+        "density": _log_uniform(random, (0.1, 6.0)),
+        "mean_free_path": _log_uniform(random, (2e-8, 3e-7)),
         "prandtl": random.uniform(0.6, 0.8),
         "heat_capacity_ratio": random.uniform(1.1, 1.66),
         "viscosity_exponent": random.uniform(0.6, 1.0),
     }
 
 
-def _pad(random: np.random.Generator) -> dict[str, Any]:
+def _random_pad(random: np.random.Generator) -> dict[str, Any]:
     """A square, a rectangle, a disc or an ellipse, turned by any angle."""
-    length_m = _between(random, SMALL_PAD_M if random.uniform() < UNUSUAL_FRACTION else PAD_M)
-    aspect = float(random.choice([1.0, _between(random, (0.5, 2.0))]))
+    length_m = _log_uniform(
+        random,
+        SMALL_PAD_LENGTH_RANGE_M
+        if random.uniform() < UNUSUAL_STUDY_FRACTION
+        else PAD_LENGTH_RANGE_M,
+    )
+    aspect = float(random.choice([1.0, _log_uniform(random, (0.5, 2.0))]))
     return {
         "shape": str(random.choice(["rectangle", "rectangle", "ellipse"])),
         "length_x": length_m,
@@ -115,17 +125,17 @@ def _pad(random: np.random.Generator) -> dict[str, Any]:
     }
 
 
-def _actuator(
+def _random_actuator(
     random: np.random.Generator, pad: dict[str, Any], probabilities: tuple[float, ...]
 ) -> dict[str, Any]:
     """A disc in a bending mode, a plate with a wave, or one of both that moves as a piston.
 
     The surface has room for the pad and as much again.
     """
-    wavelength_m = _between(random, WAVELENGTH_M)
+    wavelength_m = _log_uniform(random, WAVELENGTH_RANGE_M)
     reach_m = hypot(pad["length_x"], pad["length_y"]) / 2
     direction_deg = float(random.choice([0.0, random.uniform(0, 180)]))
-    kind = str(random.choice(VIBRATIONS, p=probabilities))
+    kind = str(random.choice(VIBRATION_KINDS, p=probabilities))
     profile: dict[str, Any] = {"kind": kind}
     if kind == "bessel":
         n = int(random.integers(0, 4))
@@ -143,19 +153,19 @@ def _actuator(
         c, s = abs(cos(angle)), abs(sin(angle))
         sides = {"length_x": 2 * room * (c * x + s * y), "length_y": 2 * room * (s * x + c * y)}
         surface = {"surface": {"shape": "rectangle", **sides}}
-    return {"frequency": _between(random, FREQUENCY_HZ), **surface, "profile": profile}
+    return {"frequency": _log_uniform(random, FREQUENCY_RANGE_HZ), **surface, "profile": profile}
 
 
-def _scan(study: Study, seed: int) -> str:
+def _simulated_scan(study: Study, seed: int) -> str:
     """A vibrometer's table of a study's vibration: a raster over its surface, with noise."""
     random = np.random.default_rng(seed)
     surface = study.config.actuator.surface
-    sides = (np.linspace(-half_m, half_m, SCAN_POINTS) for half_m in surface.half_m)
+    sides = (np.linspace(-half_m, half_m, SCAN_POINTS_ACROSS) for half_m in surface.half_extents_m)
     x, y = (values.ravel() for values in np.meshgrid(*sides))
     on_it = surface.reach(x, y) <= 1
     x, y = x[on_it], y[on_it]
     shape = study.config.read_profile().amplitude(x_m=x, y_m=y)
-    measured = shape + SCAN_NOISE * random.standard_normal(len(x))
+    measured = shape + SCAN_NOISE_FRACTION * random.standard_normal(len(x))
     columns = {"x_mm": 1e3 * x, "y_mm": 1e3 * y, "amplitude_um": np.abs(measured)}
     table = pd.DataFrame(columns).round({"x_mm": 4, "y_mm": 4, "amplitude_um": 5})
     return table.assign(phase_deg=np.where(measured < 0, 180, 0)).to_csv(index=False)

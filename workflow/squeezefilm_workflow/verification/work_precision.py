@@ -23,12 +23,16 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.terms import label_of, terms_of
+from squeezefilm.reynolds.terms import terms_label, terms_of
 from squeezefilm_workflow.verification import chebyshev_march, finite_elements, numpy_periodic
-from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, grids_of
+from squeezefilm_workflow.verification.all_effects import (
+    Effects,
+    force_on_grid,
+    grid_sizes_of_scene,
+)
 from squeezefilm_workflow.verification.films import film
 from squeezefilm_workflow.verification.marching import periods_to_settle
-from squeezefilm_workflow.verification.reference import Reference, reference_force
+from squeezefilm_workflow.verification.reference import ReferenceForce, reference_force
 
 FILMS = (
     film("ε = 0.1, σ = 20", 0.1, 20.0),
@@ -41,18 +45,18 @@ FILMS = (
     film("off centre, Re = 1, ε = 0.4, σ = 583", 0.4, 583.0, x=0.2, reynolds=1.0, thermal=True),
     film("Re = 8, ε = 0.2, σ = 100", 0.2, 100.0, reynolds=8.0, thermal=True),
 )
-EFFECTS = Effects(slip="none")
-SOLVER, BATCH = "solver", "solver, in a batch"
-Settings = dict[str, Any]
-Methods = dict[str, tuple[Callable[..., float], Callable[[Scene, int], Settings]]]
+COMPARED_EFFECTS = Effects(slip="none")
+SOLVER_NAME, BATCH_SOLVER_NAME = "solver", "solver, in a batch"
+MethodSettings = dict[str, Any]
+Methods = dict[str, tuple[Callable[..., float], Callable[[Scene, int], MethodSettings]]]
 CLOCK_FUNCTIONS = time.perf_counter, time.process_time, time.thread_time
 
 
 # A mean force in p0 l0^2, the error that the method claims for it (NaN: none), its status.
-Answer = tuple[float, float, str]
+ForceErrorAndStatus = tuple[float, float, str]
 
 
-def measure(
+def measure_call_times(
     call: Callable[[], Any], *, repeats: int, long_seconds: float = 0.2
 ) -> tuple[Any, np.ndarray]:
     """Return the result of a call, and medians of its wall, processor and main thread's time in s.
@@ -93,25 +97,25 @@ def work_precision(
     tolerances = [{"tolerance": 10.0**-k} for k in range(1, 11)][:: max(1, 10 // rungs)]
     for scene in films:
         print_step(scene.point_id)
-        reference = _reference(scene)
+        reference = _independent_mean_force(scene)
         # Others within 1 % of its epsilon, which have nothing in common with it.
         alike = [replace(scene, hv_m=scene.hv_m * (1 - 0.01 * k / batch)) for k in range(batch)]
         # How a method answers, and its settings from rung to rung.
-        paths: dict[str, tuple[Callable[..., Answer], list[Settings]]] = {
-            SOLVER: (partial(_own, [scene], device), tolerances),
-            BATCH: (partial(_own, alike, device), tolerances),
+        paths: dict[str, tuple[Callable[..., ForceErrorAndStatus], list[MethodSettings]]] = {
+            SOLVER_NAME: (partial(_solve_by_solver, [scene], device), tolerances),
+            BATCH_SOLVER_NAME: (partial(_solve_by_solver, alike, device), tolerances),
         }
-        others = METHODS if scene.gas.inertia == "none" else METHODS_WITH_EFFECTS
+        others = OTHER_METHODS if scene.gas.inertia == "none" else OTHER_METHODS_WITH_EFFECTS
         for method, (solved, settings_of) in others.items():
             path = [settings_of(scene, level) for level in range(rungs)]
-            paths[method] = partial(_other, solved, scene), path
+            paths[method] = partial(_solve_by_other_method, solved, scene), path
         for method, (answer, path) in paths.items():
             for settings in path:
                 call = partial(answer, **settings)
-                (force, claimed, status), (_, cpu_s, _) = measure(call, repeats=repeats)
+                (force, claimed, status), (_, cpu_s, _) = measure_call_times(call, repeats=repeats)
                 row = {
                     "case": scene.point_id,
-                    "terms": label_of(terms_of(scene)),
+                    "terms": terms_label(terms_of(scene)),
                     "method": method,
                     "settings": " ".join(f"{key}={each:g}" for key, each in settings.items()),
                     "status": status,
@@ -120,7 +124,7 @@ def work_precision(
                     "reference_uncertainty": reference.uncertainty / reference.force,
                     "relative_error": abs(force / reference.force - 1),
                     "estimated_error": claimed / reference.force,
-                    "cpu_s": cpu_s / (batch if method == BATCH else 1),
+                    "cpu_s": cpu_s / (batch if method == BATCH_SOLVER_NAME else 1),
                 }
                 rows.append(row)
                 if cpu_s > longest_seconds:
@@ -137,9 +141,9 @@ def with_speedup(table: pd.DataFrame) -> pd.DataFrame:
     the solver itself.
     """
     seen = table["relative_error"].clip(lower=table["reference_uncertainty"])
-    others = table[~table["method"].isin((SOLVER, BATCH))]
+    others = table[~table["method"].isin((SOLVER_NAME, BATCH_SOLVER_NAME))]
     times = {}
-    for column, method in (("speedup", SOLVER), ("speedup_in_batch", BATCH)):
+    for column, method in (("speedup", SOLVER_NAME), ("speedup_in_batch", BATCH_SOLVER_NAME)):
         ours = table[(table["method"] == method) & (table["status"] == "ok")]
         cheapest = [
             ours.loc[(ours["case"] == case) & (seen[ours.index] <= error), "cpu_s"].min()
@@ -149,40 +153,45 @@ def with_speedup(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(**times)
 
 
-def _own(scenes: list[Scene], device: Device, *, tolerance: float) -> Answer:
+def _solve_by_solver(
+    scenes: list[Scene], device: Device, *, tolerance: float
+) -> ForceErrorAndStatus:
     """Solve as a user does: to a tolerance, with an estimated error."""
     first, scale = solve(scenes, tolerance=tolerance, device=device)[0], scenes[0].force_scale_n
     return first.force_n / scale, first.force_error_n / scale, first.status
 
 
-def _other(solved: Callable[..., float], scene: Scene, **settings: Any) -> Answer:
+def _solve_by_other_method(
+    solved: Callable[..., float], scene: Scene, **settings: Any
+) -> ForceErrorAndStatus:
     try:
         return solved(scene, **settings), np.nan, "ok"
     except (RunError, ArithmeticError) as error:
         return np.nan, np.nan, str(error)
 
 
-def _reference(scene: Scene) -> Reference:
+def _independent_mean_force(scene: Scene) -> ReferenceForce:
     """Return the mean force by a program that shares no discretisation with the solver."""
     if scene.gas.inertia == "none":
         return reference_force(scene)
     fine, coarse = (
-        _dense(scene, points=points, instants=instants) for points, instants in grids_of(scene)
+        _solve_dense(scene, points=points, instants=instants)
+        for points, instants in grid_sizes_of_scene(scene)
     )
-    return Reference(fine, abs(fine - coarse))
+    return ReferenceForce(fine, abs(fine - coarse))
 
 
-def _dense(scene: Scene, *, points: int, instants: int) -> float:
-    force_n = force_on_grid(scene, EFFECTS, points=points, instants=instants)
+def _solve_dense(scene: Scene, *, points: int, instants: int) -> float:
+    force_n = force_on_grid(scene, COMPARED_EFFECTS, points=points, instants=instants)
     return force_n / scene.force_scale_n
 
 
-def _dense_grid(scene: Scene, level: int) -> Settings:
+def _dense_settings(scene: Scene, level: int) -> MethodSettings:
     """Spectral in space and time: four points across, twice two along a radius, two instants."""
     return {"points": 8 + 4 * level, "instants": 7 + 2 * level}
 
 
-def _grid(scene: Scene, level: int) -> Settings:
+def _collocation_settings(scene: Scene, level: int) -> MethodSettings:
     """A layer of width 1/sqrt(sigma) takes Chebyshev points in proportion to sigma^(1/4), the
     harmonics of powers of 1/(1 + epsilon sin T) fall by a factor each."""
     tolerance = 10.0 ** -(level + 1)
@@ -192,34 +201,39 @@ def _grid(scene: Scene, level: int) -> Settings:
     return {"nx": points, "ny": points, "nt": instants, "tolerance": 1e-3 * tolerance}
 
 
-def _chebyshev(scene: Scene, level: int) -> Settings:
+def _chebyshev_march_settings(scene: Scene, level: int) -> MethodSettings:
     """Spectral in space: two points and one decade of the integrator's tolerance a rung."""
     return {"points": 4 + 2 * level, "rtol": 10.0 ** -(level + 2)}
 
 
-def _elements(scene: Scene, level: int) -> Settings:
+def _finite_element_settings(scene: Scene, level: int) -> MethodSettings:
     """Return a refinement level: fourth order in space, second in time, both errors a quarter."""
     return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level}
 
 
-def _from_rest(scene: Scene, level: int) -> Settings:
+def _from_rest_settings(scene: Scene, level: int) -> MethodSettings:
     """Settings of a start from rest until the transient has decayed as far as the other errors."""
     periods = periods_to_settle(sigma=scene.sigma, tolerance=0.1 / 4**level)
-    return _elements(scene, level) | {"periods": periods}
+    return _finite_element_settings(scene, level) | {"periods": periods}
 
 
-def _accelerated(scene: Scene, level: int) -> Settings:
+def _accelerated_settings(scene: Scene, level: int) -> MethodSettings:
     """The change over a period stands for an error that is larger by the number of e-folds."""
     tolerance = 1e-3 * scene.epsilon**2 / 4**level
     settings = {"periods": 60, "tolerance": tolerance, "anderson_depth": 10}
-    return _elements(scene, level) | settings
+    return _finite_element_settings(scene, level) | settings
 
 
 # Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs.
-METHODS: Methods = {
-    "same algorithm, NumPy, no symmetry": (numpy_periodic.periodic_state, _grid),
-    "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_force, _chebyshev),
-    "finite elements, Anderson": (finite_elements.periodic_force, _accelerated),
-    "finite elements from rest": (finite_elements.periodic_force, _from_rest),
+OTHER_METHODS: Methods = {
+    "same algorithm, NumPy, no symmetry": (
+        numpy_periodic.periodic_mean_force,
+        _collocation_settings,
+    ),
+    "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_force, _chebyshev_march_settings),
+    "finite elements, Anderson": (finite_elements.periodic_force, _accelerated_settings),
+    "finite elements from rest": (finite_elements.periodic_force, _from_rest_settings),
 }
-METHODS_WITH_EFFECTS: Methods = {"collocation, dense matrices": (_dense, _dense_grid)}
+OTHER_METHODS_WITH_EFFECTS: Methods = {
+    "collocation, dense matrices": (_solve_dense, _dense_settings)
+}

@@ -9,7 +9,7 @@ import numpy as np
 from squeezefilm.errors import InputError
 
 ARRAY_SUFFIXES = (".mat", ".npy", ".npz")
-VARIABLES_FORM = "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
+ARRAYS_FORM = "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
 
 
 def array_lines(path: Path) -> list[str]:
@@ -20,18 +20,18 @@ def array_lines(path: Path) -> list[str]:
     """
     arrays = {
         name: np.ravel(values)
-        for name, values in _named(path).items()
+        for name, values in _arrays_by_name(path).items()
         if not name.startswith("__") and np.asarray(values).dtype.kind in "fciu"
     }
     most = max((len(values) for values in arrays.values()), default=0)
     columns = {name: values for name, values in arrays.items() if len(values) == most}
     if len(columns) < 2:
-        raise InputError(f"a scan in such a file is {VARIABLES_FORM}")
+        raise InputError(f"a scan in such a file is {ARRAYS_FORM}")
     texts = ([str(value).strip("()") for value in values] for values in columns.values())
     return ["\t".join(columns), *map("\t".join, zip(*texts, strict=True))]
 
 
-def _named(path: Path) -> Mapping[str, Any]:
+def _arrays_by_name(path: Path) -> Mapping[str, Any]:
     """The arrays of a file by their names."""
     try:
         if path.suffix.lower() == ".mat":

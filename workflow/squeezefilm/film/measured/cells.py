@@ -9,14 +9,14 @@ from __future__ import annotations
 import re
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.columns import Column
-from squeezefilm.film.measured.scan import LARGEST_VALUE, listed
-from squeezefilm.headers import unit_in
+from squeezefilm.film.measured.columns import ScanColumn
+from squeezefilm.film.measured.scan import MAX_FINITE_VALUE, list_text
+from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
 
-COMPLEX = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
+COMPLEX_PATTERN = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
 IMAGINARY = re.compile(r"\*?(?:[ijI]|im)$")
-MISSING = re.compile(
+MISSING_PATTERN = re.compile(
     r"|-|--|na|n\.?/?a\.?|k\.a\.|null|none|not available"
     r"|#(?:n/a|nv|n/d|div/0!|value!|wert!|valeur!)"
     r"|(?:.*[-+( ])?nan(?:\(\w*\))?(?:\s*[-+].*|\*?[ij])?\)?|-?1\.#\w+",
@@ -24,20 +24,20 @@ MISSING = re.compile(
 )
 WITH_UNIT = re.compile(r"([-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?)\s*([^\d\s.,].*)")
 # Cells of a column of signs.
-SIGNS = {"+": "1", "-": "-1", "\u2212": "-1", "+1": "1", "1": "1", "-1": "-1"}
+SIGN_OF_CELL = {"+": "1", "-": "-1", "\u2212": "-1", "+1": "1", "1": "1", "-1": "-1"}
 
 
 def unit_behind(cell: str) -> str:
     """The unit that a cell has behind its number, as in ``1.5 mm``; "" of others."""
     match = WITH_UNIT.fullmatch(cell.strip())
-    return unit_in(match[2]) if match else ""
+    return normalised_unit(match[2]) if match else ""
 
 
 def is_missing(cell: str) -> bool:
-    return bool(MISSING.fullmatch(cell.strip()))
+    return bool(MISSING_PATTERN.fullmatch(cell.strip()))
 
 
-def parsed(cells: pd.Series) -> pd.Series:
+def parse_numbers(cells: pd.Series) -> pd.Series:
     """Numbers of cells, with decimal points or commas, also ``1.2D-06``; NaN of others."""
     points = (
         cells.str.replace(",", ".")
@@ -47,22 +47,22 @@ def parsed(cells: pd.Series) -> pd.Series:
     return pd.to_numeric(points, errors="coerce").astype(float)
 
 
-def normalised(cells: pd.Series) -> pd.Series:
+def normalise_cells(cells: pd.Series) -> pd.Series:
     """Cells in small letters, numbers in one spelling."""
-    numbers = parsed(cells)
+    numbers = parse_numbers(cells)
     return cells.str.strip().str.lower().where(numbers.isna(), numbers.map("{:.9g}".format))
 
 
-def values_in(values: pd.Series) -> str:
+def distinct_values_text(values: pd.Series) -> str:
     """The values of a column in words, the first of many."""
     counts = values.value_counts(sort=False)
     named = [f"{value} ({count} rows)" for value, count in counts.items()]
-    return f"it has {listed(named)}"
+    return f"it has {list_text(named)}"
 
 
-def si_values(table: pd.DataFrame, column: Column) -> pd.Series:
+def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
     """A column's values in SI units; raises InputError naming the line of one that is none."""
-    cells, name = table[column.place].str.replace("*^", "e", regex=False), column.quantity
+    cells, name = table[column.column_index].str.replace("*^", "e", regex=False), column.quantity
     if column.unit and any(unit_behind(cell) == column.unit for cell in cells[:1]):
         with_unit = cells.map(unit_behind) == column.unit
         cells = cells.mask(with_unit, cells.str.replace(WITH_UNIT, r"\1", regex=True))
@@ -74,16 +74,16 @@ def si_values(table: pd.DataFrame, column: Column) -> pd.Series:
             f"line {line}: {name} has a point in {cell!r}, and a comma in other rows; one of them "
             "must be the decimal sign"
         )
-    if name == "sign" and cells.isin(list(SIGNS)).all():
-        cells = cells.map(SIGNS)
-    values = parsed(cells)
-    parts = cells.str.fullmatch(COMPLEX) & (name == "amplitude")
+    if name == "sign" and cells.isin(list(SIGN_OF_CELL)).all():
+        cells = cells.map(SIGN_OF_CELL)
+    values = parse_numbers(cells)
+    parts = cells.str.fullmatch(COMPLEX_PATTERN) & (name == "amplitude")
     if parts.any():
         values = values.astype(complex)
-        values[parts] = cells[parts].map(_complex)
+        values[parts] = cells[parts].map(_parse_complex)
     if column.decibels:
         values = 10 ** (values / 20)
-    finite = values.abs() * (column.size or 1.0) <= LARGEST_VALUE
+    finite = values.abs() * (column.size or 1.0) <= MAX_FINITE_VALUE
     for line, cell in cells[~finite][:1].items():
         raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
     return values * (column.size or 1.0)
@@ -101,7 +101,7 @@ def _without_thousands(cells: pd.Series) -> pd.Series:
     return cells
 
 
-def _complex(cell: str) -> complex:
+def _parse_complex(cell: str) -> complex:
     """A number such as ``1.2-0.3i`` or ``1.2 - 0.3*I``; NaN where a cell has none."""
     try:
         parts = "".join(cell.strip("()").split()).replace(",", ".")

@@ -19,36 +19,46 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text
-from squeezefilm.film.measured.scan import nearest_line
-from squeezefilm.headers import folded, unit_in, words_and_unit
+from squeezefilm.film.measured.scan import nearest_spectral_line
+from squeezefilm.headers import fold_accents, normalised_unit, words_and_unit
 from squeezefilm.units import unit_sizes
 
-LENGTHS_M = {folded(name): size for name, size in unit_sizes("m").items()}
-LENGTHS_M |= {"in": 0.0254, "mil": 25.4e-6}
+LENGTH_UNITS_M = {fold_accents(name): size for name, size in unit_sizes("m").items()}
+LENGTH_UNITS_M |= {"in": 0.0254, "mil": 25.4e-6}
 # Units of motions, and by which power of the angular frequency they are larger than a displacement.
-PER_SECOND = {"": 0, "/s": 1, "/s²": 2}
-MOTIONS = {name + end: size for end in PER_SECOND for name, size in LENGTHS_M.items()}
-MOTIONS |= {"g": 9.80665, "mg": 9.80665e-3}
-POWERS = {name + end: power for end, power in PER_SECOND.items() for name in LENGTHS_M}
-POWERS |= {"g": 2, "mg": 2}
-ANGLES_RAD = {name: math.radians(degrees) for name, degrees in unit_sizes("deg").items()}
-ANGLES_RAD |= {"cycles": 2 * math.pi, "mrad": 1e-3}
-FREQUENCIES_HZ = {name.lower(): size for name, size in unit_sizes("Hz").items()}
-PLACES = dict.fromkeys(("x", "y", "r"), LENGTHS_M) | {"phi": ANGLES_RAD}
-SHAPES = dict.fromkeys(("amplitude", "real", "imaginary"), MOTIONS) | {"phase": ANGLES_RAD}
-UNIT_SIZES = PLACES | SHAPES | {"sign": {"": 1.0}}
+OMEGA_POWER_OF_SUFFIX = {"": 0, "/s": 1, "/s²": 2}
+MOTION_UNITS = {
+    name + end: size for end in OMEGA_POWER_OF_SUFFIX for name, size in LENGTH_UNITS_M.items()
+}
+MOTION_UNITS |= {"g": 9.80665, "mg": 9.80665e-3}
+OMEGA_POWER_OF_UNIT = {
+    name + end: power for end, power in OMEGA_POWER_OF_SUFFIX.items() for name in LENGTH_UNITS_M
+}
+OMEGA_POWER_OF_UNIT |= {"g": 2, "mg": 2}
+ANGLE_UNITS_RAD = {name: math.radians(degrees) for name, degrees in unit_sizes("deg").items()}
+ANGLE_UNITS_RAD |= {"cycles": 2 * math.pi, "mrad": 1e-3}
+FREQUENCY_UNITS_HZ = {name.lower(): size for name, size in unit_sizes("Hz").items()}
+COORDINATE_UNITS = dict.fromkeys(("x", "y", "r"), LENGTH_UNITS_M) | {"phi": ANGLE_UNITS_RAD}
+AMPLITUDE_UNITS = dict.fromkeys(("amplitude", "real", "imaginary"), MOTION_UNITS) | {
+    "phase": ANGLE_UNITS_RAD
+}
+UNIT_SIZES = COORDINATE_UNITS | AMPLITUDE_UNITS | {"sign": {"": 1.0}}
 """What a scan is read from, each with its units, in small letters, and their sizes."""
-KNOWN = UNIT_SIZES | {"normal": MOTIONS, "frequency": FREQUENCIES_HZ, "time": unit_sizes("s")}
+UNITS_OF_QUANTITY = UNIT_SIZES | {
+    "normal": MOTION_UNITS,
+    "frequency": FREQUENCY_UNITS_HZ,
+    "time": unit_sizes("s"),
+}
 OF_ROWS = ("status", "valid", "invalid")
-KNOWN |= {"line": LENGTHS_M, "level": {}} | {name: {} for name in OF_ROWS}
+UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "level": {}} | {name: {} for name in OF_ROWS}
 """The same, with the amplitude along z, what rows of a place may differ by, a place on a line, a
 motion in decibels, and whether a row is valid."""
-MOTION_QUANTITIES = {name for name, units in KNOWN.items() if units is MOTIONS}
-UNITS = {*MOTIONS, *ANGLES_RAD, *FREQUENCIES_HZ, "s"}
+MOTION_QUANTITIES = {name for name, units in UNITS_OF_QUANTITY.items() if units is MOTION_UNITS}
+ALL_UNITS = {*MOTION_UNITS, *ANGLE_UNITS_RAD, *FREQUENCY_UNITS_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
-USUAL_MOTIONS = ("um", "mm/s", "m/s²")
+USUAL_MOTION_UNITS = ("um", "mm/s", "m/s²")
 MOTION_NAMES = ("displacement", "velocity", "acceleration")
-AT_FREQUENCY = re.compile(
+AT_FREQUENCY_PATTERN = re.compile(
     r"@.*freq[^=]*=\s*(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:[-+][-+\d.eE]+i)?\s*([A-Za-z]*)"
 )
 """How a program writes the frequency at which a column was solved, of a mode a complex one."""
@@ -62,42 +72,47 @@ RATIO_IN_UNIT = re.compile(
 )
 """An effective value or an extent that stands behind the unit: ``[mm/s RMS]``, ``(um p-p)``."""
 
-_ROWS = csv.reader(
+_WORDS_CSV_ROWS = csv.reader(
     read_text(Path(__file__).with_name("words.csv"), what="list of words").splitlines()[1:]
 )
-WORDS = {meaning: folded(words).split(";") for meaning, words in _ROWS}
-NAMES = {
-    frozenset(words.split()): quantity for quantity in KNOWN for words in WORDS.get(quantity, ())
+WORDS = {meaning: fold_accents(words).split(";") for meaning, words in _WORDS_CSV_ROWS}
+QUANTITY_OF_WORDS = {
+    frozenset(words.split()): quantity
+    for quantity in UNITS_OF_QUANTITY
+    for words in WORDS.get(quantity, ())
 }
-MOTIONS_NAMED = [{*WORDS[name]} for name in MOTION_NAMES]
-MOTION, COMPONENT = {*WORDS["normal"]}.union(*MOTIONS_NAMED), {*WORDS["component"]}
-DIRECTION, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
+MOTION_WORDS_BY_KIND = [{*WORDS[name]} for name in MOTION_NAMES]
+MOTION_WORDS, COMPONENT_WORDS = (
+    {*WORDS["normal"]}.union(*MOTION_WORDS_BY_KIND),
+    {*WORDS["component"]},
+)
+DIRECTION_WORDS, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
 # The motion that letters alone are, by the power of the angular frequency, if their unit fits.
-LETTERS = {"u": 0, "dz": 0, "v": 1, "a": 2}
+OMEGA_POWER_OF_LETTER = {"u": 0, "dz": 0, "v": 1, "a": 2}
 # The amplitude of a harmonic motion over its effective value, its extent from peak to peak, itself.
 AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5, "peak": 1.0}
-RATIOS = [
+AMPLITUDE_RATIO_OF_WORDS = [
     (words.split(), ratio) for kind, ratio in AMPLITUDE_RATIOS.items() for words in WORDS[kind]
 ]
 
 
 @dataclass(frozen=True)
-class Column:
+class ScanColumn:
     """A quantity, the unit it is in ("" if none is named), its place in a row, and its name.
 
     ``size`` is the unit's in SI units and radians; None of one that the quantity has not.
-    ``ratio`` is the amplitude over what the column has: √2 for effective values. ``power`` is that
-    of the angular frequency by which a motion in the unit is larger than a displacement, and
-    ``named_power`` the same by the column's words, None if they do not say. In ``decibels`` the
-    size is the reference's.
+    ``amplitude_ratio`` is the amplitude over what the column has: √2 for effective values.
+    ``power`` is that of the angular frequency by which a motion in the unit is larger than a
+    displacement, and ``named_power`` the same by the column's words, None if they do not say. In
+    ``decibels`` the size is the reference's.
     """
 
     quantity: str
     unit: str
     size: float | None
-    place: int
+    column_index: int
     name: str
-    ratio: float = 1.0
+    amplitude_ratio: float = 1.0
     power: int = 0
     named_power: int | None = None
     decibels: bool = False
@@ -105,66 +120,73 @@ class Column:
     @property
     def usual_unit(self) -> str:
         """The unit that a message suggests."""
-        return USUAL_UNITS.get(self.quantity, USUAL_MOTIONS[self.named_power or 0])
+        return USUAL_UNITS.get(self.quantity, USUAL_MOTION_UNITS[self.named_power or 0])
 
     @property
     def frequency_hz(self) -> float | None:
         """The frequency that the name says, if any: ``w (um) @ freq=43270``."""
-        if match := AT_FREQUENCY.search(self.name):
-            return float(match[1]) * FREQUENCIES_HZ.get(match[2].lower(), 1.0)
+        if match := AT_FREQUENCY_PATTERN.search(self.name):
+            return float(match[1]) * FREQUENCY_UNITS_HZ.get(match[2].lower(), 1.0)
         return None
 
 
-def meaning(words: Sequence[str]) -> str | None:
+def quantity_of_words(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS["line"]} or {*words[:1]}
-    if core & MOTION:
+    if core & MOTION_WORDS:
         core -= {*WORDS["input"]}
-    if quantity := NAMES.get(frozenset(words)) or NAMES.get(frozenset(core)):
+    if quantity := QUANTITY_OF_WORDS.get(frozenset(words)) or QUANTITY_OF_WORDS.get(
+        frozenset(core)
+    ):
         return quantity
-    if quantity := NAMES.get(frozenset(core - COMPONENT)):
+    if quantity := QUANTITY_OF_WORDS.get(frozenset(core - COMPONENT_WORDS)):
         return quantity
-    rest = frozenset(core - MOTION - COMPONENT)
-    if "z" in core and (part := NAMES.get(frozenset(core - {"z"}))) in SHAPES:
+    rest = frozenset(core - MOTION_WORDS - COMPONENT_WORDS)
+    if "z" in core and (part := QUANTITY_OF_WORDS.get(frozenset(core - {"z"}))) in AMPLITUDE_UNITS:
         return "normal" if part == "amplitude" else part
-    if rest == core or not (rest or core & MOTION):
+    if rest == core or not (rest or core & MOTION_WORDS):
         return None
-    if rest and rest <= DIRECTION:
+    if rest and rest <= DIRECTION_WORDS:
         return "normal"
-    quantity = NAMES.get(rest - DIRECTION) if rest else "amplitude"
-    return quantity if quantity in {*SHAPES, "level"} else None
+    quantity = QUANTITY_OF_WORDS.get(rest - DIRECTION_WORDS) if rest else "amplitude"
+    return quantity if quantity in {*AMPLITUDE_UNITS, "level"} else None
 
 
-def column_of(name: str, place: int = 0) -> Column | None:
+def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
-    for words, unit in words_and_unit(RATIO_IN_UNIT.sub(r" \2 \1\3", name), UNITS):
-        words, ratio = _without_ratio(words)
-        quantity = meaning(words)
-        if {*words} - IGNORED_WORDS == {"z"} and POWERS.get(unit):
+    for words, unit in words_and_unit(RATIO_IN_UNIT.sub(r" \2 \1\3", name), ALL_UNITS):
+        words, ratio = _split_amplitude_ratio(words)
+        quantity = quantity_of_words(words)
+        if {*words} - IGNORED_WORDS == {"z"} and OMEGA_POWER_OF_UNIT.get(unit):
             quantity = "normal"
         if quantity is None:
             continue
-        named = next((at for at, some in enumerate(MOTIONS_NAMED) if some & {*words}), None)
-        size, power, decibels = KNOWN[quantity].get(unit), POWERS.get(unit, 0), False
+        named = next((at for at, some in enumerate(MOTION_WORDS_BY_KIND) if some & {*words}), None)
+        size, power, decibels = (
+            UNITS_OF_QUANTITY[quantity].get(unit),
+            OMEGA_POWER_OF_UNIT.get(unit, 0),
+            False,
+        )
         if unit.startswith("db") and quantity in ("amplitude", "normal", "level"):
             quantity = "normal" if quantity == "normal" else "amplitude"
-            (size, power), decibels = _reference(unit), True
-        return Column(quantity, unit, size, place, name, ratio, power, named, decibels)
+            (size, power), decibels = _decibel_reference(unit), True
+        return ScanColumn(quantity, unit, size, place, name, ratio, power, named, decibels)
     return None
 
 
-def _reference(unit: str) -> tuple[float | None, int]:
+def _decibel_reference(unit: str) -> tuple[float | None, int]:
     """The size of the motion that is 0 dB, None if the unit does not tell, and its power of ω."""
     match = DECIBELS.fullmatch(unit)
-    named = unit_in(match[2]) if match else ""
-    if match is None or named not in MOTIONS:
+    named = normalised_unit(match[2]) if match else ""
+    if match is None or named not in MOTION_UNITS:
         return None, 0
-    return float(match[1] or 1) * MOTIONS[named], POWERS[named]
+    return float(match[1] or 1) * MOTION_UNITS[named], OMEGA_POWER_OF_UNIT[named]
 
 
-def _without_ratio(words: list[str]) -> tuple[list[str], float]:
-    """Words of an amplitude in place of those of RATIOS, and its ratio to what they name."""
-    for named, ratio in RATIOS:
+def _split_amplitude_ratio(words: list[str]) -> tuple[list[str], float]:
+    """Words of an amplitude in place of those of AMPLITUDE_RATIO_OF_WORDS, and its ratio to what
+    they name."""
+    for named, ratio in AMPLITUDE_RATIO_OF_WORDS:
         for at in range(len(words)):
             if words[at : at + len(named)] == named:
                 rest = [*words[:at], *words[at + len(named) :]]
@@ -172,14 +194,14 @@ def _without_ratio(words: list[str]) -> tuple[list[str], float]:
     return words, 1.0
 
 
-def named_columns(header: Sequence[str]) -> list[Column]:
+def header_columns(header: Sequence[str]) -> list[ScanColumn]:
     """The columns that a header names."""
-    return [column for at, name in enumerate(header) if (column := column_of(name, at))]
+    return [column for at, name in enumerate(header) if (column := scan_column_of_cell(name, at))]
 
 
-def chosen_columns(
+def select_columns(
     header: Sequence[str], wanted: Collection[str], *, frequency_hz: float | None
-) -> tuple[dict[str, Column], list[str]]:
+) -> tuple[dict[str, ScanColumn], list[str]]:
     """The columns of some quantities, by these, and notes on the choice.
 
     Of several parts of a motion that along z is taken, of several frequencies the actuator's.
@@ -187,7 +209,7 @@ def chosen_columns(
     Raises:
         InputError: for a quantity that stands twice.
     """
-    named = _with_unclear(named_columns(header), header)
+    named = _with_ambiguous_columns(header_columns(header), header)
     usable = {column.quantity for column in named if column.size}
     if "imaginary" in usable and "phase" not in usable:
         wanted = {*wanted} - {"amplitude"}
@@ -201,33 +223,35 @@ def chosen_columns(
     if "amplitude" in wanted and {"amplitude", "normal"} & usable:
         wanted = {*wanted} - {"real", "imaginary"}
     named = [column for column in named if column.quantity in wanted]
-    named, notes = _at_frequency(named, frequency_hz)
-    columns: dict[str, Column] = {}
-    for column in sorted(named, key=lambda each: (_is_value(each), each.size is None)):
+    named, notes = _columns_at_frequency(named, frequency_hz)
+    columns: dict[str, ScanColumn] = {}
+    for column in sorted(named, key=lambda each: (_is_labview_x_value(each), each.size is None)):
         first = columns.setdefault(column.quantity, column)
-        alike = _is_value(first) == _is_value(column) and (column.size or not first.size)
+        alike = _is_labview_x_value(first) == _is_labview_x_value(column) and (
+            column.size or not first.size
+        )
         if first is not column and alike:
             raise InputError(
                 f"the column {column.quantity!r} stands twice: {first.name!r} and "
                 f"{column.name!r}; leave one of them out"
             )
-    return dict(sorted(columns.items(), key=lambda each: each[1].place)), notes
+    return dict(sorted(columns.items(), key=lambda each: each[1].column_index)), notes
 
 
-def _is_value(column: Column) -> bool:
+def _is_labview_x_value(column: ScanColumn) -> bool:
     """Tell whether a coordinate is LabVIEW's X_Value, which gives way to ``Pos X``."""
-    return column.quantity in PLACES and "value" in column.name.lower()
+    return column.quantity in COORDINATE_UNITS and "value" in column.name.lower()
 
 
-def _with_unclear(named: list[Column], header: Sequence[str]) -> list[Column]:
+def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> list[ScanColumn]:
     """Columns with those whose words tell what they are only where no other column is it.
 
     These are a position without a direction, and, as the motion, letters without a unit and levels.
     """
     known = {column.quantity for column in named}
-    if not known & {*PLACES}:
+    if not known & {*COORDINATE_UNITS}:
         named = [replace(each, quantity="x") if each.quantity == "line" else each for each in named]
-    letters = [each for at, name in enumerate(header) if (each := _letter(name, at))]
+    letters = [each for at, name in enumerate(header) if (each := _motion_of_letter(name, at))]
     if known & MOTION_QUANTITIES:
         return named + [each for each in letters if each.unit]
     levels = [
@@ -238,16 +262,18 @@ def _with_unclear(named: list[Column], header: Sequence[str]) -> list[Column]:
     return named + (letters or levels)
 
 
-def _letter(name: str, place: int) -> Column | None:
+def _motion_of_letter(name: str, place: int) -> ScanColumn | None:
     """The motion that a cell names by a letter, and its unit if it has one: ``v [m/s]``."""
-    for words, unit in words_and_unit(name, UNITS):
-        power = LETTERS.get(words[0]) if len(words) == 1 else None
-        if power is not None and (not unit or POWERS.get(unit) == power):
-            return Column("amplitude", unit, MOTIONS.get(unit), place, name, 1.0, power, power)
+    for words, unit in words_and_unit(name, ALL_UNITS):
+        power = OMEGA_POWER_OF_LETTER.get(words[0]) if len(words) == 1 else None
+        if power is not None and (not unit or OMEGA_POWER_OF_UNIT.get(unit) == power):
+            return ScanColumn(
+                "amplitude", unit, MOTION_UNITS.get(unit), place, name, 1.0, power, power
+            )
     return None
 
 
-def unit_problems(columns: Collection[Column]) -> list[str]:
+def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
     """Problems of the columns' units, all at once, each with what is allowed."""
     lacking = [column for column in columns if not column.size]
     levels = [column for column in lacking if column.decibels]
@@ -262,34 +288,36 @@ def unit_problems(columns: Collection[Column]) -> list[str]:
     shape = "of a motion only the shape counts, so that a constant factor may be wrong"
     if levels:
         problems.append(
-            f"decibels of {_quoted(levels)} have no reference; write one, as in "
-            f"{_written(levels, 'dB re 1 ')} ({shape})"
+            f"decibels of {_quoted_names(levels)} have no reference; write one, as in "
+            f"{_suggested_names(levels, 'dB re 1 ')} ({shape})"
         )
     if unknown:
         units = ", ".join(repr(each.unit) for each in unknown)
         problems.append(
-            f"the unit {units} of {_quoted(unknown)} is not known; write another, as in "
-            f"{_written(unknown)}"
+            f"the unit {units} of {_quoted_names(unknown)} is not known; write another, as in "
+            f"{_suggested_names(unknown)}"
         )
     if bare:
         problems.append(
-            f"no unit is known of {_quoted(bare)}; write it into the header, as in {_written(bare)}"
+            f"no unit is known of {_quoted_names(bare)}; write it into the header, as in "
+            f"{_suggested_names(bare)}"
         )
     if unknown or bare:
         problems[-1] += (
-            f". Lengths are in {', '.join(LENGTHS_M)}, motions also over s or s² and in g, angles "
-            f"in {', '.join(ANGLES_RAD)}"
+            f". Lengths are in {', '.join(LENGTH_UNITS_M)}, motions also over s or s² and in g, "
+            f"angles "
+            f"in {', '.join(ANGLE_UNITS_RAD)}"
         )
     if any(each.quantity in MOTION_QUANTITIES for each in (*unknown, *bare)):
         problems[-1] += f" ({shape})"
     return problems
 
 
-def _quoted(columns: Collection[Column]) -> str:
+def _quoted_names(columns: Collection[ScanColumn]) -> str:
     return ", ".join(repr(each.name) for each in columns)
 
 
-def _written(columns: Collection[Column], before: str = "") -> str:
+def _suggested_names(columns: Collection[ScanColumn], before: str = "") -> str:
     """Columns as they should be called, with a unit in place of their own."""
     stems = [
         re.sub(r"\W*\bdb.*|\s*[\[(][^\[(]*[\])]\s*$", "", each.name, flags=re.IGNORECASE)
@@ -302,34 +330,36 @@ def _written(columns: Collection[Column], before: str = "") -> str:
     )
 
 
-def _at_frequency(
-    named: list[Column], frequency_hz: float | None
-) -> tuple[list[Column], list[str]]:
+def _columns_at_frequency(
+    named: list[ScanColumn], frequency_hz: float | None
+) -> tuple[list[ScanColumn], list[str]]:
     """The columns at the actuator's frequency, and all that have none, and a note."""
     lines_hz = np.array([each.frequency_hz for each in named if each.frequency_hz is not None])
     if len(set(lines_hz)) < 2:
         return named, []
     if frequency_hz is None:
         raise InputError("columns at several frequencies need the actuator's frequency")
-    line_hz, far = nearest_line(lines_hz, frequency_hz)
+    line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
     if far:
         raise InputError(f"the columns' frequencies: {far}")
     kept = [each for each in named if each.frequency_hz in (None, line_hz)]
     return kept, [f"columns at {line_hz:.7g} Hz"]
 
 
-def with_units(header: Sequence[str], cells: Sequence[str]) -> list[str]:
+def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[str]:
     """A header with the units of the line below it; itself if that line is not of units.
 
     It is one if some cells are known units, and none a number: one that is not known is named in a
     message if its column is needed.
     """
-    units = [re.sub(r"[\[\]()]", "", unit) for unit in map(unit_in, cells)]
-    if not {*units} & UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
+    units = [re.sub(r"[\[\]()]", "", unit) for unit in map(normalised_unit, cells)]
+    if not {*units} & ALL_UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
         return list(header)
     units += [""] * (len(header) - len(units))
     return [
-        f"{name} [{unit}]" if unit in UNITS or (unit.strip("-") and column_of(name)) else name
+        f"{name} [{unit}]"
+        if unit in ALL_UNITS or (unit.strip("-") and scan_column_of_cell(name))
+        else name
         for name, unit in zip(header, units, strict=True)
     ]
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from squeezefilm.errors import InputError, check_problems, prefix_errors
-from squeezefilm.film.measured.scan import FEWEST_POINTS, Scan
+from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
+from squeezefilm.film.measured.scan import MIN_SCAN_POINTS, Scan
 from squeezefilm.film.measured.table import read_table
 from squeezefilm.film.measured.universal import read_universal
 
@@ -43,11 +43,11 @@ def read_scan(
     x_m, y_m = scan.x_m - origin_m[0], scan.y_m - origin_m[1]
     scan = replace(scan, x_m=x_m, y_m=y_m, origin_m=origin_m)
     points = len(scan.x_m)
-    check_problems(
+    raise_first_problem(
         path,
         {
             f"{points} measured points ({scan.missing} missing); a profile needs at least "
-            f"{FEWEST_POINTS}": points < FEWEST_POINTS,
+            f"{MIN_SCAN_POINTS}": points < MIN_SCAN_POINTS,
             "every amplitude is zero: there is no profile": not np.any(scan.amplitude_m),
         },
     )

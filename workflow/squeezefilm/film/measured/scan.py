@@ -12,13 +12,13 @@ import numpy as np
 from squeezefilm.errors import InputError
 
 # In metres or radians. Writers of universal files, pyuff too, put 1.8e308 for infinity.
-LARGEST_VALUE = 1e9
-FEWEST_POINTS, POINTS_NAMED = 8, 6
+MAX_FINITE_VALUE = 1e9
+MIN_SCAN_POINTS, MAX_POINTS_NAMED = 8, 6
 # Places closer than this are one.
 SAME_POSITION_M = 1e-6
 # From the frequency, in distances between lines; of a file with one line as a share of it.
-FARTHEST_LINE, FARTHEST_FRACTION = 0.6, 0.01
-WITHOUT_FREQUENCY = "velocities and spectra need the actuator's frequency"
+MAX_LINE_DISTANCE_IN_SPACINGS, MAX_LINE_DISTANCE_FRACTION = 0.6, 0.01
+FREQUENCY_NEEDED_MESSAGE = "velocities and spectra need the actuator's frequency"
 
 
 @dataclass(frozen=True)
@@ -44,31 +44,34 @@ class Scan:
     origin_m: tuple[float, float] = (0.0, 0.0)
 
 
-def listed(places: Sequence[object]) -> str:
+def list_text(places: Sequence[object]) -> str:
     """Places in a file, or values, the first of many."""
-    return ", ".join(map(str, places[:POINTS_NAMED])) + ", …" * (len(places) > POINTS_NAMED)
+    return ", ".join(map(str, places[:MAX_POINTS_NAMED])) + ", …" * (len(places) > MAX_POINTS_NAMED)
 
 
-def missing_points(places: Sequence[int], *, what: str) -> list[str]:
+def missing_points_note(places: Sequence[int], *, what: str) -> list[str]:
     """A note that names the points without an amplitude, if there are any."""
     many = "s" * (len(places) > 1)
     return [
         f"{len(places)} point{many} without an amplitude, excluded from profile and noise "
-        f"({what}{many} {listed(places)})"
+        f"({what}{many} {list_text(places)})"
     ] * bool(len(places))
 
 
 def angular_frequency(frequency_hz: float | None) -> float:
     if frequency_hz is None:
-        raise InputError(WITHOUT_FREQUENCY)
+        raise InputError(FREQUENCY_NEEDED_MESSAGE)
     return 2 * math.pi * frequency_hz
 
 
-def nearest_line(lines_hz: np.ndarray, frequency_hz: float) -> tuple[float, str]:
+def nearest_spectral_line(lines_hz: np.ndarray, frequency_hz: float) -> tuple[float, str]:
     """The line of a spectrum nearest to a frequency, and why it is too far from it, if it is."""
     line_hz = float(lines_hz[np.argmin(np.abs(lines_hz - frequency_hz))])
     steps_hz = np.diff(np.sort(lines_hz))
-    farthest = FARTHEST_LINE * steps_hz.max(initial=0.0) or FARTHEST_FRACTION * frequency_hz
+    farthest = (
+        MAX_LINE_DISTANCE_IN_SPACINGS * steps_hz.max(initial=0.0)
+        or MAX_LINE_DISTANCE_FRACTION * frequency_hz
+    )
     far = (
         f"its lines go from {lines_hz.min():.7g} to {lines_hz.max():.7g} Hz, and the actuator "
         f"vibrates at {frequency_hz:.7g} Hz (actuator.frequency)"

@@ -29,50 +29,50 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, check_problems, prefix_errors
-from squeezefilm.files import digest, whole_file
+from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
+from squeezefilm.files import atomic_file, digest
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import SAME_POSITION_M, Scan
 from squeezefilm.film.profiles import Modes, largest_magnitude
 from squeezefilm.film.surfaces import Orders, Surface
 
-LARGEST_DEGREE = 24
+MAX_MODE_DEGREE = 24
 # The fewest points per mode that cross-validation looks at, and for degrees above its best one.
-POINTS_PER_MODE, POINTS_PER_MODE_MORE = 1.5, 3
-LARGEST_CONDITION = 1e8
+MIN_POINTS_PER_MODE, MIN_POINTS_PER_EXTRA_MODE = 1.5, 3
+MAX_CONDITION_NUMBER = 1e8
 # Degrees above the best by cross-validation, so that the misfit is small beside the noise.
-DEGREES_MORE = 2
+EXTRA_DEGREES = 2
 # An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
 # the points that this is looked at with.
-LESS_WITH_ANGLES, MOST_LOOKED_AT = 0.5, 2000
+MAX_RESIDUAL_RATIO_WITH_ANGLES, MAX_POINTS_FOR_ANGLE_CHECK = 0.5, 2000
 # A profile that is less sure than this share of its maximum somewhere is not known there.
-LARGEST_ERROR = 0.25
+MAX_PROFILE_ERROR = 0.25
 # Nor is one that has no measured point within this share of a disc's radius, or of half a
 # rectangle's shorter side.
-LARGEST_HOLE = 0.35
+MAX_HOLE_RADIUS_FRACTION = 0.35
 # What the smooth motion out of phase may do to forces, as a share, and be neglected.
-LARGEST_OUT_OF_PHASE = 1e-3
+MAX_QUADRATURE_FORCE_CHANGE = 1e-3
 # A point is far from the rest beyond this many standard deviations of the noise, and never if it is
 # nearer than this share of the largest amplitude: that may be the profile's own fine structure.
-OUTLIER_DEVIATIONS, LEAST_OUTLIER = 4.5, 0.005
+OUTLIER_STANDARD_DEVIATIONS, MIN_OUTLIER_FRACTION = 4.5, 0.005
 # More such points, as a share, are no outliers.
-MOST_OUTLIERS = 0.05
-MOST_REFITS = 20
+MAX_OUTLIER_SHARE_OF_POINTS = 0.05
+MAX_OUTLIER_REFITS = 20
 # A maximum so far above the largest at the measured points is extrapolated.
-OVERSHOOT_RATIO = 1.05
+MAX_OVERSHOOT_RATIO = 1.05
 # Draws of noise by which the bias of the maximum is estimated.
-PEAK_DRAWS, PEAK_SEED = 200, 1
+PEAK_BIAS_DRAWS, PEAK_BIAS_SEED = 200, 1
 # A place may be the largest if it is lower by no more than this many standard errors.
-RIVAL_DEVIATIONS = 2.0
+RIVAL_PEAK_STANDARD_ERRORS = 2.0
 UNSIGNED_WARNING = (
     "the scan has no phase or sign: all amplitudes are taken to one side, and over a node line the "
     "force is that of another surface, which no error here contains"
 )
 # A scan of a smaller share of its surface's radius or half side has another unit, if it fits then;
 # and by how much points may miss a surface that is only to be told.
-SMALLEST_SCAN, ALMOST_FRACTION = 0.1, 0.03
+MIN_SCAN_EXTENT_FRACTION, EXTENT_TOLERANCE_FRACTION = 0.1, 0.03
 # More points are not fitted: enough for all modes to be known to a hundredth of the noise.
-MOST_FITTED, DRAW_SEED = 20_000, 1
+MAX_FITTED_POINTS, THINNING_SEED = 20_000, 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,26 +110,26 @@ class SmoothedScan:
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
         return self.noise_m / self.peak_m * np.linalg.norm(modes @ self.fit.root, axis=-1)
 
-    def misfit(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    def mode_misfit(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Estimate the part of modes that the points do not determine, over the maximum."""
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
         return np.asarray(np.abs(modes @ self.fit.misfit_m) / self.peak_m)
 
     @property
-    def misfitting(self) -> list[Modes]:
+    def profiles_with_misfit(self) -> list[Modes]:
         """The profiles with so much more and less, over their maxima; none without a misfit."""
         misfit_m = self.fit.misfit_m
         if not np.any(misfit_m):
             return []
         raw_m = self.peak_m * np.array(self.profile.coefficients)
-        return self._over_their_maxima(np.array([raw_m + misfit_m, raw_m - misfit_m]))
+        return self._scaled_profiles(np.array([raw_m + misfit_m, raw_m - misfit_m]))
 
-    def _over_their_maxima(self, coefficients_m: np.ndarray) -> list[Modes]:
+    def _scaled_profiles(self, coefficients_m: np.ndarray) -> list[Modes]:
         """Profiles of coefficients, shape (profiles, modes), scaled as this one is."""
         raw_m = self.peak_m * np.array(self.profile.coefficients)
         # The finer search for the maximum moves it by as little for each.
-        finer = (self.peak_m + self.peak_bias_m) / _largest_at(raw_m, self.scale_modes)
-        peaks_m = _largest_at(coefficients_m, self.scale_modes) * finer - self.peak_bias_m
+        finer = (self.peak_m + self.peak_bias_m) / _largest_of_sums(raw_m, self.scale_modes)
+        peaks_m = _largest_of_sums(coefficients_m, self.scale_modes) * finer - self.peak_bias_m
         return [
             replace(self.profile, coefficients=tuple((coefficients / peak).tolist()))
             for coefficients, peak in zip(coefficients_m, peaks_m, strict=True)
@@ -163,7 +163,7 @@ class SmoothedScan:
         )
         raw_m = self.peak_m * np.array(self.profile.coefficients)
         drawn_m = raw_m + (noise_m @ basis) @ self.fit.root @ self.fit.root.T
-        return self._over_their_maxima(drawn_m)
+        return self._scaled_profiles(drawn_m)
 
 
 def smoothed_scan(
@@ -174,15 +174,15 @@ def smoothed_scan(
     origin_m: tuple[float, float] = (0.0, 0.0),
     **settings: Any,
 ) -> SmoothedScan:
-    """The smooth profile of a scan's file, as ``smoothed`` makes it.
+    """The smooth profile of a scan's file, as ``smooth_scan`` makes it.
 
     Raises InputError naming the file, and the place of the error or the undetermined region.
     """
     scan = read_scan(path, frequency_hz=frequency_hz, rows=rows, origin_m=origin_m)
-    return smoothed(scan, **settings)
+    return smooth_scan(scan, **settings)
 
 
-def smoothed(
+def smooth_scan(
     scan: Scan,
     *,
     surface: Surface,
@@ -200,17 +200,19 @@ def smoothed(
     Raises InputError naming the file, and what its points do not determine.
     """
     check_points(scan, surface, axisymmetric=axisymmetric, sign=sign)
-    scan = thinned(averaged(scan))
+    scan = limit_point_count(average_repeated_points(scan))
     points = Points(surface, axisymmetric, scan.x_m, scan.y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
     quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
     with prefix_errors(scan.path):
-        fit, kept, fitted = _without_outliers(points, scan.lines, measured.real)
-        other = best_fit(fitted, measured.imag[kept])
-        if _mean_square(other, surface) > LARGEST_OUT_OF_PHASE * _mean_square(fit, surface):
-            fit, kept, _ = _without_outliers(points, scan.lines, measured)
+        fit, kept, fitted = _fit_without_outliers(points, scan.lines, measured.real)
+        other = best_mode_fit(fitted, measured.imag[kept])
+        if _mean_square_of_profile(
+            other, surface
+        ) > MAX_QUADRATURE_FORCE_CHANGE * _mean_square_of_profile(fit, surface):
+            fit, kept, _ = _fit_without_outliers(points, scan.lines, measured)
         else:
             measured = measured.real
     smooth = points.modes(fit.orders) @ fit.coefficients
@@ -222,17 +224,19 @@ def smoothed(
     def profile_of(fit: Fit, size_m: float) -> Modes:
         return Modes(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
 
-    largest_m, at_points = _largest_of(profile_of(fit, 1.0)), fitted.modes(fit.orders).T
+    largest_m, at_points = _largest_of_profile(profile_of(fit, 1.0)), fitted.modes(fit.orders).T
     if scale == "measured":
-        scale_modes, peak_m = at_points, float(_largest_at(fit.coefficients, at_points))
+        scale_modes, peak_m = at_points, float(_largest_of_sums(fit.coefficients, at_points))
     else:
         scale_modes, peak_m = _modes_on_net(fit.orders, surface), largest_m
-        note = overshoots(fit, surface, at_points=at_points, noise_m=noise_m)
+        note = extrapolated_maximum_note(fit, surface, at_points=at_points, noise_m=noise_m)
         scan = replace(scan, notes=(*scan.notes, *note))
-    bias_m = min(_bias_of_largest(fit, noise_m, scale_modes), LARGEST_ERROR * peak_m)
+    bias_m = min(_peak_bias_m(fit, noise_m, scale_modes), MAX_PROFILE_ERROR * peak_m)
     peak_m -= bias_m
     if axisymmetric and not scan.radial:
-        scan = replace(scan, notes=(*scan.notes, *wants_angles(points, measured.real, fit)))
+        scan = replace(
+            scan, notes=(*scan.notes, *angular_variation_note(points, measured.real, fit))
+        )
     result = SmoothedScan(
         scan=scan,
         profile=replace(profile_of(fit, peak_m), largest=largest_m / peak_m),
@@ -246,7 +250,7 @@ def smoothed(
         outliers=~kept,
         scale_modes=scale_modes,
     )
-    _refuse_unknown(result, axisymmetric=axisymmetric)
+    _reject_undetermined_profile(result, axisymmetric=axisymmetric)
     return result
 
 
@@ -267,11 +271,11 @@ class Points:
     wave_ratio: float = 1.0
 
     @cached_property
-    def families(self) -> list[Points]:
+    def with_each_mode_family(self) -> list[Points]:
         """The same points with each family of the surface's modes."""
         return [replace(self, wave_ratio=ratio) for ratio in self.surface.wave_ratios]
 
-    def some(self, rows: np.ndarray | slice) -> Points:
+    def subset_of_points(self, rows: np.ndarray | slice) -> Points:
         """Some of the points."""
         return replace(self, x_m=self.x_m[rows], y_m=self.y_m[rows])
 
@@ -294,13 +298,13 @@ class Points:
 
         Those of a degree come before those of the next.
         """
-        degrees = range(0, LARGEST_DEGREE + 1, 2 if self.axisymmetric else 1)
+        degrees = range(0, MAX_MODE_DEGREE + 1, 2 if self.axisymmetric else 1)
         every = {n: self.orders_up_to(n) for n in degrees}
-        enough = len(self.x_m) / POINTS_PER_MODE
+        enough = len(self.x_m) / MIN_POINTS_PER_MODE
         return {n: orders for n, orders in every.items() if len(orders) <= enough}
 
     @cached_property
-    def decomposed(self) -> tuple[np.ndarray, np.ndarray]:
+    def qr_decomposition(self) -> tuple[np.ndarray, np.ndarray]:
         """The QR decomposition of the modes up to the largest degree, which serves all."""
         q, r = np.linalg.qr(self.modes(self.orders[max(self.orders)]))
         return q, r
@@ -313,7 +317,7 @@ class Fit:
     ``score`` is the least rms error, over degrees, at held-out points, and ``root`` (modes, modes)
     the factor by which the points' noise enters the coefficients: their covariance is
     noise² root rootᵀ. ``misfit_m``, coefficients too, estimates what degrees add that
-    the points do not determine; it is zero where DEGREES_MORE above the best degree are taken.
+    the points do not determine; it is zero where EXTRA_DEGREES above the best degree are taken.
     """
 
     degree: int
@@ -324,54 +328,56 @@ class Fit:
     misfit_m: np.ndarray
 
 
-def best_fit(points: Points, measured: np.ndarray) -> Fit:
+def best_mode_fit(points: Points, measured: np.ndarray) -> Fit:
     """Least squares by the family of modes of least leave-one-out error.
 
     Raises InputError where the points determine no profile.
     """
-    fits = [_best_of_family(family, measured) for family in points.families]
+    fits = [_best_of_family(family, measured) for family in points.with_each_mode_family]
     return min(fits, key=lambda fit: fit.score)
 
 
 def _best_of_family(points: Points, measured: np.ndarray) -> Fit:
-    """Least squares, DEGREES_MORE above the degree of least leave-one-out error.
+    """Least squares, EXTRA_DEGREES above the degree of least leave-one-out error.
 
     The error at a left-out point is e/(1 − h), h its leverage, without fitting again (Allen's
     PRESS).
 
     Raises InputError where the points determine no profile.
     """
-    orthogonal, triangle = points.decomposed
+    orthogonal, triangle = points.qr_decomposition
     # More modes are never better determined: where the most are, one condition number will do.
-    sure = np.linalg.cond(triangle) <= LARGEST_CONDITION
+    sure = np.linalg.cond(triangle) <= MAX_CONDITION_NUMBER
     scores: dict[int, float] = {}
     for degree, orders in points.orders.items():
         count = len(orders)
-        determined = sure or np.linalg.cond(triangle[:count, :count]) <= LARGEST_CONDITION
-        score = _leave_one_out(orthogonal[:, :count], measured)
+        determined = sure or np.linalg.cond(triangle[:count, :count]) <= MAX_CONDITION_NUMBER
+        score = _leave_one_out_error(orthogonal[:, :count], measured)
         if not determined or not np.isfinite(score):
             break
         scores[degree] = score
     if not scores:
         raise InputError("the points do not determine a profile")
     best = min(scores, key=scores.__getitem__)
-    more, orders, orthogonal, triangle = _with_degrees_more(points, best)
+    more, orders, orthogonal, triangle = _modes_with_extra_degrees(points, best)
     degree, root = best + more, np.linalg.inv(triangle)
     coefficients = root @ (orthogonal.T @ measured)
     misfit_m = np.zeros_like(coefficients)
-    if DEGREES_MORE <= degree < min(best + DEGREES_MORE, LARGEST_DEGREE):
+    if EXTRA_DEGREES <= degree < min(best + EXTRA_DEGREES, MAX_MODE_DEGREE):
         # The change by the last degrees, by so much less as errors at held-out points fall on half
         # the way to them.
-        lower_orders = points.orders[degree - DEGREES_MORE]
+        lower_orders = points.orders[degree - EXTRA_DEGREES]
         lower = np.linalg.lstsq(points.modes(lower_orders), measured, rcond=None)[0]
-        fall = math.sqrt(_leave_one_out(orthogonal, measured) / scores[degree - DEGREES_MORE])
+        fall = math.sqrt(
+            _leave_one_out_error(orthogonal, measured) / scores[degree - EXTRA_DEGREES]
+        )
         change = coefficients.copy()
         change[[orders.index(order) for order in lower_orders]] -= lower
         misfit_m = min(fall, 1.0) * change
     return Fit(degree, orders, coefficients, root, scores[best], misfit_m)
 
 
-def _leave_one_out(orthogonal: np.ndarray, measured: np.ndarray) -> float:
+def _leave_one_out_error(orthogonal: np.ndarray, measured: np.ndarray) -> float:
     """Rms error at held-out points, one by one; infinite where a point alone determines a mode.
 
     Args:
@@ -384,56 +390,64 @@ def _leave_one_out(orthogonal: np.ndarray, measured: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.abs(residual / left) ** 2)))
 
 
-def _with_degrees_more(points: Points, best: int) -> tuple[int, Orders, np.ndarray, np.ndarray]:
-    """Up to DEGREES_MORE above the best degree: how many, their modes and their QR decomposition.
+def _modes_with_extra_degrees(
+    points: Points, best: int
+) -> tuple[int, Orders, np.ndarray, np.ndarray]:
+    """Up to EXTRA_DEGREES above the best degree: how many, their modes and their QR decomposition.
 
     Along every side of the surface: waves along one side choose a family with few modes along the
     other, where the profile may have a slope that is as small as the noise.
     """
-    enough = len(points.x_m) / POINTS_PER_MODE_MORE
-    for more in range(min(DEGREES_MORE, LARGEST_DEGREE - best), 0, -1):
+    enough = len(points.x_m) / MIN_POINTS_PER_EXTRA_MODE
+    for more in range(min(EXTRA_DEGREES, MAX_MODE_DEGREE - best), 0, -1):
         orders = points.orders_up_to(best, degrees_more=more)
         if len(orders) <= enough and len(orders) > len(points.orders[best]):
             q, r = np.linalg.qr(points.modes(orders))
-            if np.linalg.cond(r) <= LARGEST_CONDITION and np.sum(q**2, axis=1).max() <= 1 - 1e-6:
+            if np.linalg.cond(r) <= MAX_CONDITION_NUMBER and np.sum(q**2, axis=1).max() <= 1 - 1e-6:
                 return more, orders, q, r
     orders = points.orders[best]
     return 0, orders, *np.linalg.qr(points.modes(orders))
 
 
-def wants_angles(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
+def angular_variation_note(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
     """A note where a profile with angles leaves far less."""
-    subset = slice(None, None, -(-len(measured) // MOST_LOOKED_AT))
+    subset = slice(None, None, -(-len(measured) // MAX_POINTS_FOR_ANGLE_CHECK))
     try:
-        free = best_fit(replace(points.some(subset), axisymmetric=False), measured[subset])
+        free = best_mode_fit(
+            replace(points.subset_of_points(subset), axisymmetric=False), measured[subset]
+        )
     except InputError:  # too few points for angles
         return []
     ratio = free.score / fit.score
     return [
         f"the scan is not axisymmetric: a profile with angles leaves {ratio:.2g} of what this one "
         "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
-    ] * (ratio <= LESS_WITH_ANGLES)
+    ] * (ratio <= MAX_RESIDUAL_RATIO_WITH_ANGLES)
 
 
-def overshoots(fit: Fit, surface: Surface, *, at_points: np.ndarray, noise_m: float) -> list[str]:
+def extrapolated_maximum_note(
+    fit: Fit, surface: Surface, *, at_points: np.ndarray, noise_m: float
+) -> list[str]:
     """A note where the maximum is extrapolated, or less known than at the measured points."""
     net = _modes_on_net(fit.orders, surface)
-    largest_m, measured_m = (float(_largest_at(fit.coefficients, at)) for at in (net, at_points))
-    bias_m, bias_at_points_m = (_bias_of_largest(fit, noise_m, at) for at in (net, at_points))
-    less_known = bias_m - bias_at_points_m > (OVERSHOOT_RATIO - 1) / 2 * measured_m
+    largest_m, measured_m = (
+        float(_largest_of_sums(fit.coefficients, at)) for at in (net, at_points)
+    )
+    bias_m, bias_at_points_m = (_peak_bias_m(fit, noise_m, at) for at in (net, at_points))
+    less_known = bias_m - bias_at_points_m > (MAX_OVERSHOOT_RATIO - 1) / 2 * measured_m
     return [
         f"the profile's maximum is {largest_m * 1e6:.4g} µm, and {measured_m * 1e6:.4g} µm at the "
         f"measured points: it overshoots between or beyond the last rows, where noise adds "
         f"{bias_m * 1e6:.2g} µm, and with it the scale of all forces is uncertain. Scan more rows "
         "at the edge, or say actuator.profile.scale: measured"
-    ] * bool(less_known or largest_m > OVERSHOOT_RATIO * measured_m)
+    ] * bool(less_known or largest_m > MAX_OVERSHOOT_RATIO * measured_m)
 
 
 def check_points(
     scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str, scale: str = "surface"
 ) -> None:
     """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
-    check_problems(
+    raise_first_problem(
         scan.path,
         {
             "the amplitudes have no phase and no sign: across a node line they would be those of "
@@ -447,27 +461,35 @@ def check_points(
     for row in np.flatnonzero(reach > 1 + 1e-6)[:1]:
         raise InputError(
             f"{scan.path}: line {scan.lines[row]}: the point lies "
-            f"{surface.text_at(scan.x_m[row], scan.y_m[row])}, off the actuator's {surface.text} "
-            f"({surface.key}){_where_points_fit(scan, surface)}"
+            f"{surface.position_text(scan.x_m[row], scan.y_m[row])}, off the actuator's "
+            f"{surface.text} "
+            f"({surface.key}){_fitting_origin_or_unit_note(scan, surface)}"
         )
-    if hint := _where_points_fit(scan, surface) if reach.max() < SMALLEST_SCAN else "":
+    if (
+        hint := _fitting_origin_or_unit_note(scan, surface)
+        if reach.max() < MIN_SCAN_EXTENT_FRACTION
+        else ""
+    ):
         raise InputError(
             f"{scan.path}: all points lie at the centre of the {surface.text} ({surface.key}){hint}"
         )
 
 
-def _where_points_fit(scan: Scan, surface: Surface) -> str:
+def _fitting_origin_or_unit_note(scan: Scan, surface: Surface) -> str:
     """The origin or the unit of positions by which a scan would cover its surface, if any."""
     reach = float(surface.reach(scan.x_m, scan.y_m).max())
     x_m, y_m = (0.5 * (np.min(each) + np.max(each)) for each in (scan.x_m, scan.y_m))
-    if reach > 1 and np.max(surface.reach(scan.x_m - x_m, scan.y_m - y_m)) <= 1 + ALMOST_FRACTION:
+    if (
+        reach > 1
+        and np.max(surface.reach(scan.x_m - x_m, scan.y_m - y_m)) <= 1 + EXTENT_TOLERANCE_FRACTION
+    ):
         middle = [f"{1e3 * at:.4g} mm" for at in np.add(scan.origin_m, [x_m, y_m])]
         return (
             f"; all lie on it with actuator.profile.origin: [{', '.join(middle)}], the middle of "
             "their extents"
         )
     for factor, text in ((1e3, "1000 times larger"), (1e-3, "1000 times smaller")):
-        if SMALLEST_SCAN < factor * reach <= 1 + ALMOST_FRACTION:
+        if MIN_SCAN_EXTENT_FRACTION < factor * reach <= 1 + EXTENT_TOLERANCE_FRACTION:
             return (
                 f"; they fit with positions {text}: give their unit as it is (in the header; in a "
                 "universal file by data set 164, without which it is m)"
@@ -475,7 +497,7 @@ def _where_points_fit(scan: Scan, surface: Surface) -> str:
     return ""
 
 
-def averaged(scan: Scan) -> Scan:
+def average_repeated_points(scan: Scan) -> Scan:
     """A scan with one point at each place, the mean of the rows there, at the first one's line.
 
     Rows of a place are no independent evidence of a shape between places: cross-validation holds
@@ -498,19 +520,20 @@ def averaged(scan: Scan) -> Scan:
     return replace(scan, **columns, amplitude_m=amplitude_m, notes=(*scan.notes, note))
 
 
-def thinned(scan: Scan) -> Scan:
-    """A scan of at most MOST_FITTED points: itself, or as many of its points, drawn at random."""
+def limit_point_count(scan: Scan) -> Scan:
+    """A scan of at most MAX_FITTED_POINTS points: itself, or as many of its points, drawn at
+    random."""
     points = len(scan.x_m)
-    if points <= MOST_FITTED:
+    if points <= MAX_FITTED_POINTS:
         return scan
-    drawn = np.random.default_rng(DRAW_SEED).choice(points, MOST_FITTED, replace=False)
+    drawn = np.random.default_rng(THINNING_SEED).choice(points, MAX_FITTED_POINTS, replace=False)
     columns = ("x_m", "y_m", "amplitude_m", "lines")
     kept_columns = {name: getattr(scan, name)[np.sort(drawn)] for name in columns}
-    note = f"{MOST_FITTED} of {points} points are fitted, drawn at random"
+    note = f"{MAX_FITTED_POINTS} of {points} points are fitted, drawn at random"
     return replace(scan, **kept_columns, notes=(*scan.notes, note))
 
 
-def _without_outliers(
+def _fit_without_outliers(
     points: Points, lines: np.ndarray, measured: np.ndarray
 ) -> tuple[Fit, np.ndarray, Points]:
     """Least squares on the points that are not far from the rest; which those are, and they.
@@ -520,24 +543,27 @@ def _without_outliers(
     """
     kept, near = points, np.ones(len(measured), dtype=bool)
     largest = np.sort(np.abs(measured))[-max(5, len(measured) // 20) :]
-    floor = LEAST_OUTLIER * float(np.median(largest))
-    for _ in range(MOST_REFITS):
-        fit = best_fit(kept, measured[near])
+    floor = MIN_OUTLIER_FRACTION * float(np.median(largest))
+    for _ in range(MAX_OUTLIER_REFITS):
+        fit = best_mode_fit(kept, measured[near])
         residual = measured - points.modes(fit.orders) @ fit.coefficients
         parts = np.abs([residual.real, residual.imag][: 1 + np.iscomplexobj(residual)])
         noise = 1.4826 * np.median(parts, axis=1, keepdims=True)
-        last, near = near, np.all(parts <= np.maximum(OUTLIER_DEVIATIONS * noise, floor), axis=0)
+        last, near = (
+            near,
+            np.all(parts <= np.maximum(OUTLIER_STANDARD_DEVIATIONS * noise, floor), axis=0),
+        )
         if np.array_equal(near, last):
             break
-        kept = points.some(near)
+        kept = points.subset_of_points(near)
     outliers = np.flatnonzero(~near)
-    if len(outliers) > max(1, MOST_OUTLIERS * len(measured)):
+    if len(outliers) > max(1, MAX_OUTLIER_SHARE_OF_POINTS * len(measured)):
         named = ", ".join(map(str, lines[outliers[:6]]))
         raise InputError(
             f"{len(outliers)} of {len(measured)} points (lines {named}, …) lie far from every "
             "smooth profile through the rest: more than stray points; look at them"
         )
-    return best_fit(kept, measured[near]), near, kept
+    return best_mode_fit(kept, measured[near]), near, kept
 
 
 @lru_cache(maxsize=32)
@@ -547,7 +573,7 @@ def _modes_on_net(orders: Orders, surface: Surface) -> np.ndarray:
     return surface.modes_at(orders, x_m.ravel(), y_m.ravel()).T
 
 
-def _mean_square(fit: Fit, surface: Surface) -> float:
+def _mean_square_of_profile(fit: Fit, surface: Surface) -> float:
     """∫ s², times a constant: small forces go as the square, and those of both motions add.
 
     studies/tasks/scan_errors.py has the effect on one scene.
@@ -557,7 +583,7 @@ def _mean_square(fit: Fit, surface: Surface) -> float:
     )
 
 
-def _largest_of(profile: Modes) -> float:
+def _largest_of_profile(profile: Modes) -> float:
     """Largest magnitude of a profile on its surface."""
 
     def amplitude(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
@@ -566,19 +592,19 @@ def _largest_of(profile: Modes) -> float:
     return largest_magnitude(amplitude, surface=profile.surface)
 
 
-def _largest_at(coefficients: np.ndarray, modes: np.ndarray) -> np.ndarray:
+def _largest_of_sums(coefficients: np.ndarray, modes: np.ndarray) -> np.ndarray:
     """Largest magnitude of sums of modes (modes, places); coefficients of shape (…, modes)."""
     return np.asarray(np.abs(coefficients @ modes).max(axis=-1))
 
 
-def _bias_of_largest(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
+def _peak_bias_m(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
     """Return the bias of the largest magnitude by noise.
 
     More noise adds less than this noise did where several places are the largest but for noise: of
     those the noisiest is the largest now. Were they all equal, noise would add its own largest. The
     bias is taken halfway.
     """
-    random, shape = np.random.default_rng(PEAK_SEED), (PEAK_DRAWS, len(fit.orders))
+    random, shape = np.random.default_rng(PEAK_BIAS_SEED), (PEAK_BIAS_DRAWS, len(fit.orders))
     noise = noise_m * random.standard_normal(shape)
     if np.iscomplexobj(fit.coefficients):
         noise = noise + 1j * noise_m * random.standard_normal(shape)
@@ -586,15 +612,15 @@ def _bias_of_largest(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
     change = np.concatenate([noise, -noise]) @ fit.root.T
     values = fit.coefficients @ modes
     largest = np.abs(values).max()
-    with_noise = _largest_at(fit.coefficients + change, modes).mean()
+    with_noise = _largest_of_sums(fit.coefficients + change, modes).mean()
     error_m = noise_m * np.linalg.norm(fit.root.T @ modes, axis=0)
-    rivals = np.abs(values) + RIVAL_DEVIATIONS * error_m >= largest
+    rivals = np.abs(values) + RIVAL_PEAK_STANDARD_ERRORS * error_m >= largest
     phases = values[rivals].conj() / np.abs(values[rivals])
     among_equals = ((change @ modes[:, rivals]) * phases).real.max(axis=1).mean()
     return max(float(with_noise - largest + among_equals) / 2, 0.0)
 
 
-def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
+def _reject_undetermined_profile(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     """Reject a profile that the scan does not determine somewhere on the surface."""
     scan, surface = smoothed.scan, smoothed.profile.surface
     x_m, y_m, _ = surface.net()
@@ -604,36 +630,37 @@ def _refuse_unknown(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     distance = np.array(
         [np.abs(np.subtract.outer(row, measured)).min(axis=1) for row in net_points]
     )
-    error = smoothed.standard_error(x_m=x_m, y_m=y_m) + smoothed.misfit(x_m=x_m, y_m=y_m)
+    error = smoothed.standard_error(x_m=x_m, y_m=y_m) + smoothed.mode_misfit(x_m=x_m, y_m=y_m)
     hole, worst = (
         np.unravel_index(np.argmax(badness), badness.shape) for badness in (distance, error)
     )
     named = [f"x = {x_m[at] * 1e3:.2f} mm, y = {y_m[at] * 1e3:.2f} mm" for at in (hole, worst)]
     # Nearly square cells; a standard error falls as their side does, or faster.
-    spacing_mm = 2e3 * math.sqrt(math.prod(surface.half_m) / len(measured))
+    spacing_mm = 2e3 * math.sqrt(math.prod(surface.half_extents_m) / len(measured))
     remedy = (
-        f"the scan needs points up to there, every {spacing_mm * LARGEST_ERROR / error[worst]:.2g} "
+        f"the scan needs points up to there, every "
+        f"{spacing_mm * MAX_PROFILE_ERROR / error[worst]:.2g} "
         f"mm (now about {spacing_mm:.2g}), less noise, or {surface.key} that ends where it does"
     )
-    if smoothed.fit.degree == LARGEST_DEGREE:
+    if smoothed.fit.degree == MAX_MODE_DEGREE:
         remedy = "shorter waves than these resolve need an actuator.profile by formula"
     if axisymmetric:
         named[0] = f"r = {net_points[hole].real * 1e3:.2f} mm"
-    check_problems(
+    raise_first_problem(
         scan.path,
         {
             f"no point was measured within {distance[hole] * 1e3:.1f} mm of {named[0]}; the scan "
             f"needs points there, or {surface.key} is too large": distance[hole]
-            > LARGEST_HOLE * min(surface.half_m),
+            > MAX_HOLE_RADIUS_FRACTION * min(surface.half_extents_m),
             f"the profile is known to ±{error[worst]:.0%} of its maximum only at {named[1]}, by "
-            f"modes of degree {smoothed.fit.degree}; {remedy}": error[worst] > LARGEST_ERROR,
+            f"modes of degree {smoothed.fit.degree}; {remedy}": error[worst] > MAX_PROFILE_ERROR,
             "the profile's maximum cannot be told from the noise; the scan needs more points, or "
-            "less noise": smoothed.peak_bias_m >= LARGEST_ERROR * smoothed.peak_m,
+            "less noise": smoothed.peak_bias_m >= MAX_PROFILE_ERROR * smoothed.peak_m,
         },
     )
 
 
-SMOOTHED_FIELDS = {each.name for each in fields(SmoothedScan)}
+SMOOTHED_SCAN_FIELDS = {each.name for each in fields(SmoothedScan)}
 TUPLE_FIELDS = {Scan: {"notes", "origin_m"}, Fit: {"orders"}, Modes: {"orders", "coefficients"}}
 """Values that are tuples where others are arrays."""
 
@@ -648,22 +675,24 @@ def write_smoothed(smoothed: SmoothedScan, path: Path, **settings: Any) -> None:
 
     Raises InputError where the file cannot be written.
     """
-    values = _values_of(smoothed) | {"made_from": _made_from(smoothed.scan.path, settings)}
-    with whole_file(path) as part, part.open("wb") as file:
+    values = _flattened_fields(smoothed) | {
+        "made_from": _scan_fingerprint(smoothed.scan.path, settings)
+    }
+    with atomic_file(path) as part, part.open("wb") as file:
         np.savez(file, allow_pickle=False, **values)
 
 
-def _made_from(scan: Path, settings: dict[str, Any]) -> str:
+def _scan_fingerprint(scan: Path, settings: dict[str, Any]) -> str:
     return f"{digest(scan)} {sorted(settings.items())}"
 
 
-def _values_of(part: Any) -> dict[str, Any]:
+def _flattened_fields(part: Any) -> dict[str, Any]:
     """The values of a dataclass by names, those of its parts behind the part's; without places."""
     values: dict[str, Any] = {}
     for name in (each.name for each in fields(part)):
         value = getattr(part, name)
         if is_dataclass(value):
-            values |= {f"{name}.{inner}": each for inner, each in _values_of(value).items()}
+            values |= {f"{name}.{inner}": each for inner, each in _flattened_fields(value).items()}
         elif not isinstance(value, Path):
             values[name] = value
     return values
@@ -680,15 +709,15 @@ def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
             values = {name: each if each.ndim else each.item() for name, each in file.items()}
         made_from, surface = values["made_from"], settings["surface"]
         smoothed = SmoothedScan(
-            scan=_part(Scan, values, "scan.", path=scan),
-            fit=_part(Fit, values, "fit."),
-            profile=_part(Modes, values, "profile.", surface=surface),
-            out_of_phase=_part(Modes, values, "out_of_phase.", surface=surface),
-            **{name: each for name, each in values.items() if name in SMOOTHED_FIELDS},
+            scan=_rebuilt_dataclass(Scan, values, "scan.", path=scan),
+            fit=_rebuilt_dataclass(Fit, values, "fit."),
+            profile=_rebuilt_dataclass(Modes, values, "profile.", surface=surface),
+            out_of_phase=_rebuilt_dataclass(Modes, values, "out_of_phase.", surface=surface),
+            **{name: each for name, each in values.items() if name in SMOOTHED_SCAN_FIELDS},
         )
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"{path}: not a smoothed scan: {error}") from None
-    if made_from != _made_from(scan, settings):
+    if made_from != _scan_fingerprint(scan, settings):
         raise InputError(
             f"{path}: was smoothed from another {scan.name}, or with other settings of "
             "actuator.profile; `snakemake profile` updates it"
@@ -696,7 +725,7 @@ def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
     return smoothed
 
 
-def _part(kind: Any, values: dict[str, Any], place: str, **given: Any) -> Any:
+def _rebuilt_dataclass(kind: Any, values: dict[str, Any], place: str, **given: Any) -> Any:
     """A dataclass of stored values by names, which stand behind its place."""
     stored = {
         each.name: values[place + each.name] for each in fields(kind) if each.name not in given

@@ -34,37 +34,37 @@ import numpy as np
 from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, array_lines
 from squeezefilm.film.measured.cells import (
+    distinct_values_text,
     is_missing,
-    normalised,
-    parsed,
+    normalise_cells,
+    parse_numbers,
     si_values,
     unit_behind,
-    values_in,
 )
 from squeezefilm.film.measured.columns import (
+    ALL_UNITS,
+    COORDINATE_UNITS,
     OF_ROWS,
-    PLACES,
     UNIT_SIZES,
-    UNITS,
     WORDS,
-    Column,
-    chosen_columns,
-    column_of,
-    named_columns,
+    ScanColumn,
+    header_columns,
+    header_with_unit_line,
+    scan_column_of_cell,
+    select_columns,
     unit_problems,
-    with_units,
 )
 from squeezefilm.film.measured.scan import (
+    FREQUENCY_NEEDED_MESSAGE,
     SAME_POSITION_M,
-    WITHOUT_FREQUENCY,
     Scan,
     angular_frequency,
-    listed,
-    missing_points,
-    nearest_line,
+    list_text,
+    missing_points_note,
+    nearest_spectral_line,
 )
 from squeezefilm.film.measured.validity import valid_rows
-from squeezefilm.headers import unit_in
+from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
 
 SCAN_FORM = (
@@ -72,18 +72,18 @@ SCAN_FORM = (
     "amplitude_um"
 )
 
-BLANKS, WIDE = " ", "  "
+BLANK_SEPARATOR, WIDE_BLANK_SEPARATOR = " ", "  "
 """Separators: any blanks, and in a header whose names have blanks two or more of them."""
-SEPARATORS = ("\t", ";", ",", WIDE, BLANKS)
-BETWEEN_NAMES = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instance|Name|FOOT-)\b)")
+SEPARATORS = ("\t", ";", ",", WIDE_BLANK_SEPARATOR, BLANK_SEPARATOR)
+BETWEEN_NAMES_PATTERN = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instance|Name|FOOT-)\b)")
 """Blanks between names in a header, none before a unit in brackets or within ``U, U3``."""
 ASIAN_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
 # Among which the line that names columns is sought, and by how many quantities it is known.
-FIRST_LINES, FEWEST_NAMED = 100, 2
-COMMENT = re.compile(r"\A\s*[#%!][#%!\s]*")
-LENGTH_UNIT = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
+MAX_LINES_ABOVE_HEADER, MIN_QUANTITIES_NAMED = 100, 2
+COMMENT_PATTERN = re.compile(r"\A\s*[#%!][#%!\s]*")
+LENGTH_UNIT_PATTERN = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
 """How a program says, above the header, in which unit places are."""
-OTHER_FORMATS = {
+REMEDY_OF_FILE_SIGNATURE = {
     b"PK": "save a spreadsheet as CSV, with any separator",
     b"\xd0\xcf\x11\xe0": "export a Polytec file (.svd) as universal file or as text, and save a "
     "spreadsheet (.xls) as CSV",
@@ -112,14 +112,17 @@ OTHER_TEXTS = {
 }
 """What such files of text contain, by patterns, and what to do with them."""
 LABVIEW_UNITS = "Y_Unit_Label"
-MOST_LOOKED_AT, MOST_SEARCHED = 1000, 20_000
+MAX_CHARACTERS_FOR_ENCODING, MAX_CHARACTERS_FOR_NASTRAN = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
-BESIDE_ROWS, TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*"), 5
-RULE = re.compile(r"[-=*_\s]{3,}")
+WORD_LINE_PATTERN, MAX_TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*"), 5
+RULED_LINE_PATTERN = re.compile(r"[-=*_\s]{3,}")
 # A row of numbers, or one that begins with a word, such as a part's name.
-PLAIN_ROW, NAMED_ROW = re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"), re.compile(r".*[\s,;][-+]?\d")
+NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN = (
+    re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"),
+    re.compile(r".*[\s,;][-+]?\d"),
+)
 # So many rows at a place that differ in time are a time series.
-INSTANTS = 8
+MIN_TIME_SERIES_ROWS = 8
 OF_A_TIME_SERIES = "export amplitude and phase at the actuator's frequency"
 
 
@@ -148,16 +151,16 @@ def read_points(
     Raises:
         InputError: naming the line or column that is wrong.
     """
-    lines, notes = _lines(path, what=what, form=form)
-    index, header, separator = _header(lines, what=what, form=form)
-    header, first = _units_beside(header, lines, index, separator)
+    lines, notes = _read_lines(path, what=what, form=form)
+    index, header, separator = _find_header(lines, what=what, form=form)
+    header, first = _header_with_units(header, lines, index, separator)
     with prefix_errors(f"line {index + 1}"):
-        columns, at_frequency = chosen_columns(header, wanted, frequency_hz=frequency_hz)
+        columns, at_frequency = select_columns(header, wanted, frequency_hz=frequency_hz)
         motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
-        taken = {column.place for column in columns.values()}
-        ignored = [repr(name) for name in header if column_of(name) is None]
+        taken = {column.column_index for column in columns.values()}
+        ignored = [repr(name) for name in header if scan_column_of_cell(name) is None]
         beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         problems[-1:] = [
@@ -165,51 +168,53 @@ def read_points(
         ]
         problems += [
             f"a time series ({each.name!r}) is no shape; {OF_A_TIME_SERIES}"
-            for each in named_columns(header)
+            for each in header_columns(header)
             if each.quantity == "time" and problems and not motion
         ]
         problems += unit_problems(columns.values())
         if any(column.power for column in motion) and frequency_hz is None:
-            problems.append(WITHOUT_FREQUENCY)
+            problems.append(FREQUENCY_NEEDED_MESSAGE)
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
             problems[-1] += ". Units in names of variables follow an underscore: x_mm"
         if problems:
             raise InputError("; and ".join(problems))
     needed = max(taken) + 1
-    cells, beside_rows = _cells(lines, first, separator, names=len(header), needed=needed)
-    above = sum(bool(line.strip()) and not COMMENT.match(line) for line in lines[:index])
+    cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
+    above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
     notes += [*at_frequency, *beside_rows]
     settings = [
-        column_of(name, at) or Column("", "", None, at, name)
+        scan_column_of_cell(name, at) or ScanColumn("", "", None, at, name)
         for at, name in enumerate(header)
         if at not in taken
     ]
-    cells, settings = _asked_rows(cells, settings, rows or "")
+    cells, settings = _rows_of_requested_measurement(cells, settings, rows or "")
     cells, states, invalid = valid_rows(cells, settings)
     others = [repr(each.name) for each in settings if each not in states]
     notes += [*[f"ignored columns: {', '.join(others)}"] * bool(others), *invalid]
-    amplitudes = cells[[column.place for column in motion]]
+    amplitudes = cells[[column.column_index for column in motion]]
     lacking = cells.index[amplitudes.map(is_missing).any(axis=1)]
     cells = cells.drop(lacking)
     table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
     if rows is not None:
-        table, chosen = _one_measurement(table, cells, settings, frequency_hz=frequency_hz)
+        table, chosen = _one_row_per_position(table, cells, settings, frequency_hz=frequency_hz)
         notes += chosen
     for column in motion:
         if column.power:
             table[column.quantity] /= angular_frequency(frequency_hz) ** column.power
             twice = " squared" * (column.power == 2)
             notes.append(f"{column.name!r} divided by the angular frequency{twice}")
-        if column.ratio != 1:
-            table[column.quantity] *= column.ratio
-            notes.append(f"{column.name!r} times {column.ratio:.4g}, a harmonic motion's amplitude")
-    return table, lacking.tolist(), [*notes, *missing_points(lacking.tolist(), what="line")]
+        if column.amplitude_ratio != 1:
+            table[column.quantity] *= column.amplitude_ratio
+            notes.append(
+                f"{column.name!r} times {column.amplitude_ratio:.4g}, a harmonic motion's amplitude"
+            )
+    return table, lacking.tolist(), [*notes, *missing_points_note(lacking.tolist(), what="line")]
 
 
-def _asked_rows(
-    cells: pd.DataFrame, others: Sequence[Column], rows: str
-) -> tuple[pd.DataFrame, list[Column]]:
+def _rows_of_requested_measurement(
+    cells: pd.DataFrame, others: Sequence[ScanColumn], rows: str
+) -> tuple[pd.DataFrame, list[ScanColumn]]:
     """The rows of one measurement, as in ``read_scan``, and the columns that they do not set."""
     free = list(others)
     for condition in filter(None, map(str.strip, rows.split(";"))):
@@ -220,18 +225,18 @@ def _asked_rows(
                 known = ", ".join(repr(other.name) for other in others)
                 raise InputError(f"needs COLUMN = VALUE, the column one of {known}")
             column = names[name.lower()]
-            values = normalised(cells[column.place])
-            cells = cells[values == normalised(pd.Series([value]))[0]]
+            values = normalise_cells(cells[column.column_index])
+            cells = cells[values == normalise_cells(pd.Series([value]))[0]]
             if cells.empty:
-                raise InputError(f"no row has this value; {values_in(values)}")
+                raise InputError(f"no row has this value; {distinct_values_text(values)}")
         free = [other for other in free if other is not column]
     return cells, free
 
 
-def _one_measurement(
+def _one_row_per_position(
     table: pd.DataFrame,
     cells: pd.DataFrame,
-    others: Sequence[Column],
+    others: Sequence[ScanColumn],
     *,
     frequency_hz: float | None,
 ) -> tuple[pd.DataFrame, list[str]]:
@@ -249,12 +254,12 @@ def _one_measurement(
     notes = []
     for column in others:
         if column.quantity == "frequency" and column.size:
-            values_hz = parsed(cells.loc[table.index, column.place]) * column.size
-            if not _recurs(table, values_hz):
+            values_hz = parse_numbers(cells.loc[table.index, column.column_index]) * column.size
+            if not _recurs_at_positions(table, values_hz):
                 continue
             if frequency_hz is None:
                 raise InputError(f"the rows of {column.name!r} need the actuator's frequency")
-            line_hz, far = nearest_line(values_hz.unique(), frequency_hz)
+            line_hz, far = nearest_spectral_line(values_hz.unique(), frequency_hz)
             if far:
                 raise InputError(f"column {column.name!r}: {far}")
             table = table[values_hz == line_hz]
@@ -263,12 +268,14 @@ def _one_measurement(
     if not place.duplicated().any():
         return table, notes
     for column in others:
-        values = normalised(cells.loc[table.index, column.place])
+        values = normalise_cells(cells.loc[table.index, column.column_index])
         differing = values.groupby(place).nunique()[place[place.duplicated()].unique()]
         if differing.median() < 2:
             continue
-        recurs = _recurs(table, values)
-        if column.quantity == "time" and (recurs or len(values) >= INSTANTS * place.nunique()):
+        recurs = _recurs_at_positions(table, values)
+        if column.quantity == "time" and (
+            recurs or len(values) >= MIN_TIME_SERIES_ROWS * place.nunique()
+        ):
             raise InputError(
                 f"column {column.name!r} has several instants at each place: a time series is no "
                 f"shape; {OF_A_TIME_SERIES}"
@@ -278,7 +285,8 @@ def _one_measurement(
             axis *= len({"x", "y", "r", "phi"} & {*table}) < 2
             raise InputError(
                 f"places have several rows each, which column {column.name!r} tells apart: "
-                f"{values_in(values)}; take one by actuator.profile.rows: {column.name} = "
+                f"{distinct_values_text(values)}; take one by actuator.profile.rows: "
+                f"{column.name} = "
                 f"{values.iloc[0]}{axis}"
             )
     return table, notes
@@ -293,12 +301,12 @@ def _position_keys(table: pd.DataFrame) -> pd.Series:
     return steps.groupby(["x", "y"], sort=False).ngroup()
 
 
-def _recurs(table: pd.DataFrame, values: pd.Series) -> bool:
+def _recurs_at_positions(table: pd.DataFrame, values: pd.Series) -> bool:
     """Tell whether values stand each at many places: those of a setting, no measurement."""
     return 0 < values.nunique() <= 2 * len(values) / _position_keys(table).nunique()
 
 
-def _complete(known: Collection[str]) -> dict[str, bool]:
+def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     """Problems of a scan with some quantities: those that it lacks, or has in excess."""
     place = {*known} & {"x", "y", "r", "phi"}
     both = place > {"x", "y"}
@@ -317,7 +325,12 @@ def _complete(known: Collection[str]) -> dict[str, bool]:
 def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     """The scan in a table of text."""
     table, lacking, notes = read_points(
-        path, what="scan", form=SCAN_FORM, complete=_complete, frequency_hz=frequency_hz, rows=rows
+        path,
+        what="scan",
+        form=SCAN_FORM,
+        complete=_incomplete_scan_problems,
+        frequency_hz=frequency_hz,
+        rows=rows,
     )
     known = set(table)
     size = table.pop("amplitude").to_numpy() if "amplitude" in known else np.zeros(len(table))
@@ -342,7 +355,7 @@ def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     return Scan(path, z.real, z.imag, amplitude, lines, len(lacking), signed, tuple(notes), line)
 
 
-def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
+def _read_lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
     """A file's lines, and a note on its encoding."""
     try:
         content = path.read_bytes()
@@ -350,20 +363,20 @@ def _lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
         raise InputError(f"the {what} cannot be read: {error}") from None
     if path.suffix.lower() in ARRAY_SUFFIXES:
         return array_lines(path), ["its variables are read as columns"]
-    for start, remedy in OTHER_FORMATS.items():
+    for start, remedy in REMEDY_OF_FILE_SIGNATURE.items():
         if content.startswith(start):
             raise InputError(f"no table of text; {remedy}")
-    text, encoding = _decoded(content)
+    text, encoding = _decode_text(content)
     for pattern, remedy in OTHER_TEXTS.items():
-        if re.search(pattern, text[:MOST_SEARCHED]):
+        if re.search(pattern, text[:MAX_CHARACTERS_FOR_NASTRAN]):
             raise InputError(remedy)
-    if text.count("\0", 0, MOST_LOOKED_AT) > MOST_LOOKED_AT / 100:
+    if text.count("\0", 0, MAX_CHARACTERS_FOR_ENCODING) > MAX_CHARACTERS_FOR_ENCODING / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
     return io.StringIO(text, newline=None).read().split("\n"), notes
 
 
-def _cells(
+def _table_cells(
     lines: Sequence[str], first: int, separator: str, *, names: int, needed: int
 ) -> tuple[pd.DataFrame, list[str]]:
     """The cells below a header of so many names, the first of them needed, by their line.
@@ -372,19 +385,25 @@ def _cells(
     note names them.
     """
     rows = {
-        number: _split(line, separator)
+        number: _split_cells(line, separator)
         for number, line in enumerate(lines[first:], first + 1)
-        if line.strip(" \t,;") and not COMMENT.match(line) and not RULE.fullmatch(line)
+        if line.strip(" \t,;")
+        and not COMMENT_PATTERN.match(line)
+        and not RULED_LINE_PATTERN.fullmatch(line)
     }
     start = pd.Series({number: cells[0] for number, cells in rows.items()}, dtype=object)
-    words = start.str.fullmatch(BESIDE_ROWS).astype(bool) & ~start.map(is_missing).astype(bool)
+    words = start.str.fullmatch(WORD_LINE_PATTERN).astype(bool) & ~start.map(is_missing).astype(
+        bool
+    )
     inside = start.index[~words]
     whole = not inside.empty and not words.loc[inside[0] : inside[-1]].any()
     beside = start.index[words].tolist() if whole else []
     for number in beside:
         del rows[number]
     for number, cells in rows.items():
-        if separator != BLANKS and needed <= len(cells):  # between blanks an empty cell is none
+        if separator != BLANK_SEPARATOR and needed <= len(
+            cells
+        ):  # between blanks an empty cell is none
             cells += [""] * (names - len(cells))
         if len(cells) != names:
             hint = "; decimal commas need another separator, such as semicolons"
@@ -392,32 +411,38 @@ def _cells(
             raise InputError(
                 f"line {number}: {len(cells)} cells where the header has {names}{hint}"
             )
-    notes = [f"lines beside the rows ignored: {listed(beside)}"] * bool(beside)
+    notes = [f"lines beside the rows ignored: {list_text(beside)}"] * bool(beside)
     return pd.DataFrame(list(rows.values()), list(rows), range(names), dtype=object), notes
 
 
-def _units_beside(
+def _header_with_units(
     header: list[str], lines: Sequence[str], index: int, separator: str
 ) -> tuple[list[str], int]:
     """A header with units above it, in a line below or in the cells; the first line of rows."""
     first = next((row for row in range(index + 1, len(lines)) if lines[row].strip()), len(lines))
     below = "".join(lines[first : first + 1])
-    cells = _split(COMMENT.sub("", below, count=1), separator) if below else []
-    if (named := with_units(header, cells)) != header:
+    cells = _split_cells(COMMENT_PATTERN.sub("", below, count=1), separator) if below else []
+    if (named := header_with_unit_line(header, cells)) != header:
         return named, first + 1
     if len(cells) == len(header):
         header = [
-            f"{name} [{unit}]" if (unit := unit_behind(cell)) in UNITS and _bare(name) else name
+            f"{name} [{unit}]" if (unit := unit_behind(cell)) in ALL_UNITS and _bare(name) else name
             for name, cell in zip(header, cells, strict=True)
         ]
     for line in lines[:index]:
         if line.startswith(LABVIEW_UNITS):
-            header = with_units(header, ["", *_split(line, separator)[1:]])
-    units = {unit_in(match[1]) for line in lines[:index] for match in LENGTH_UNIT.finditer(line)}
-    for unit in units & UNITS:
-        columns = {column.place: column for column in named_columns(header)}
+            header = header_with_unit_line(header, ["", *_split_cells(line, separator)[1:]])
+    units = {
+        normalised_unit(match[1])
+        for line in lines[:index]
+        for match in LENGTH_UNIT_PATTERN.finditer(line)
+    }
+    for unit in units & ALL_UNITS:
+        columns = {column.column_index: column for column in header_columns(header)}
         header = [
-            f"{name} [{unit}]" if at in columns and _bare_length(columns[at]) else name
+            f"{name} [{unit}]"
+            if at in columns and _is_coordinate_without_unit(columns[at])
+            else name
             for at, name in enumerate(header)
         ]
     return header, index + 1
@@ -425,21 +450,21 @@ def _units_beside(
 
 def _bare(name: str) -> bool:
     """Tell whether a column that a scan may have is without a unit."""
-    column = column_of(name)
+    column = scan_column_of_cell(name)
     return column is not None and not column.unit
 
 
-def _bare_length(column: Column) -> bool:
+def _is_coordinate_without_unit(column: ScanColumn) -> bool:
     """Tell whether a column is a coordinate without a unit."""
     return column.quantity in ("x", "y", "r") and not column.unit
 
 
-def _split(line: str, separator: str) -> list[str]:
+def _split_cells(line: str, separator: str) -> list[str]:
     """A line's cells."""
-    if separator == WIDE:
+    if separator == WIDE_BLANK_SEPARATOR:
         # COMSOL has a single blank behind a long name.
         return re.split(r"\s\s+| (?=\S+ \(\S+\) @)", line.strip())
-    if separator == BLANKS:
+    if separator == BLANK_SEPARATOR:
         line = " ".join(line.split())
     try:
         return [
@@ -450,7 +475,7 @@ def _split(line: str, separator: str) -> list[str]:
         raise InputError(f"{line[:60]!r} cannot be read: {error}") from None
 
 
-def _decoded(content: bytes) -> tuple[str, str]:
+def _decode_text(content: bytes) -> tuple[str, str]:
     """A text and its encoding: by the byte order mark, by zeros between letters, or as it fits."""
     start, half = content[:1000], min(len(content), 1000) / 4
     little = start.startswith(b"\xff\xfe") or start[1::2].count(0) > half
@@ -465,41 +490,51 @@ def _decoded(content: bytes) -> tuple[str, str]:
     return content.decode("latin-1"), "latin-1"
 
 
-def _header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[str], str]:
+def _find_header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[str], str]:
     """The place of the line that names columns, which may be a comment; its cells; the separator.
 
     It names some quantities, stands above numbers and has as many cells; others are taken where
     there is none, and one that names a single quantity right above numbers.
     """
     filled = [index for index, line in enumerate(lines) if line.strip(" \t,;")]
-    plain = [index for index in filled if not COMMENT.match(lines[index])]
+    plain = [index for index in filled if not COMMENT_PATTERN.match(lines[index])]
     if not plain:
         raise InputError(f"the {what} is empty; it needs {form}")
     comments = [index for index in filled if index < plain[0]]
     found: dict[tuple[bool, bool, int], tuple[int, list[str], str]] = {}
-    for index in (*plain[:FIRST_LINES], *comments[-FIRST_LINES:]):
-        line = COMMENT.sub("", lines[index], count=1)
-        rows = [lines[row] for row in plain if row > index][:TITLE_LINES]
+    for index in (*plain[:MAX_LINES_ABOVE_HEADER], *comments[-MAX_LINES_ABOVE_HEADER:]):
+        line = COMMENT_PATTERN.sub("", lines[index], count=1)
+        rows = [lines[row] for row in plain if row > index][:MAX_TITLE_LINES]
         below = next(
-            (row for kind in (PLAIN_ROW, NAMED_ROW) for row in rows if kind.match(row.strip())), ""
+            (
+                row
+                for kind in (NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN)
+                for row in rows
+                if kind.match(row.strip())
+            ),
+            "",
         )
         for separator in SEPARATORS:
-            between = separator.replace(WIDE, BLANKS)
-            names = separator == BLANKS and '"' not in line
-            cells = BETWEEN_NAMES.split(line.strip()) if names else _split(line, separator)
-            known = {column.quantity for column in named_columns(cells)} - {*OF_ROWS}
-            count = len(known - {"line"} if known & {*PLACES} else known)
+            between = separator.replace(WIDE_BLANK_SEPARATOR, BLANK_SEPARATOR)
+            names = separator == BLANK_SEPARATOR and '"' not in line
+            cells = (
+                BETWEEN_NAMES_PATTERN.split(line.strip())
+                if names
+                else _split_cells(line, separator)
+            )
+            known = {column.quantity for column in header_columns(cells)} - {*OF_ROWS}
+            count = len(known - {"line"} if known & {*COORDINATE_UNITS} else known)
             if not count:
                 continue
-            row = _split(below, between)
+            row = _split_cells(below, between)
             alike = len(cells) == len(row)
-            values = parsed(pd.Series([cell for cell in row if cell], dtype=object))
+            values = parse_numbers(pd.Series([cell for cell in row if cell], dtype=object))
             numbers = len(values) > 1 and not values.isna().any()
-            if count >= FEWEST_NAMED - (alike and numbers and index in plain):
+            if count >= MIN_QUANTITIES_NAMED - (alike and numbers and index in plain):
                 found.setdefault((numbers, alike, count), (index, cells, between))
     if found:
         index, cells, between = found[max(found)]
-        if between == BLANKS and not max(found)[1]:
+        if between == BLANK_SEPARATOR and not max(found)[1]:
             raise InputError(
                 f"line {index + 1}: the header has {len(cells)} names between blanks, and the rows "
                 "below have not so many cells; put commas, tabs or two blanks between the names"

@@ -16,29 +16,41 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, check_problems, needing
+from squeezefilm.errors import InputError, raise_first_problem, requires_extra
 from squeezefilm.film.measured.scan import (
-    LARGEST_VALUE,
+    MAX_FINITE_VALUE,
     Scan,
     angular_frequency,
-    missing_points,
-    nearest_line,
+    missing_points_note,
+    nearest_spectral_line,
 )
 
 # Data sets; types of abscissa and ordinate; types of functions; the direction z.
-NODES, UNITS, FUNCTION, SHAPE, RESULTS = (15, 2411), 164, 58, 55, 2414
-AT_NODES, FREQUENCY_RESPONSE, COMPLEX = 1, 5, 5  # of results: place, analysis, kind of numbers
-FREQUENCY, DISPLACEMENT, VELOCITY, ACCELERATION = 18, 8, 11, 12
-TIME_OR_POWER = (1, 2, 3, 9)
-POWER, COHERENCES = (2, 3, 9), (6, 21, 26)
+NODES_DATASETS, UNITS_DATASET, FUNCTION_DATASET, MODE_SHAPE_DATASET, RESULTS_DATASET = (
+    (15, 2411),
+    164,
+    58,
+    55,
+    2414,
+)
+AT_NODES_LOCATION, FREQUENCY_RESPONSE_ANALYSIS, COMPLEX_NUMBER_TYPE = (
+    1,
+    5,
+    5,
+)  # of results: place, analysis, kind of numbers
+FREQUENCY_AXIS, DISPLACEMENT_AXIS, VELOCITY_AXIS, ACCELERATION_AXIS = 18, 8, 11, 12
+TIME_OR_POWER_FUNCTIONS = (1, 2, 3, 9)
+POWER_FUNCTIONS, COHERENCE_FUNCTIONS = (2, 3, 9), (6, 21, 26)
 # By which power of the angular frequency a motion is larger than a displacement.
-MOTION_PER_M = {DISPLACEMENT: 0, VELOCITY: 1, ACCELERATION: 2}
-NORMAL = 3
-AXES = {number: f"{'+-'[number < 0]}{'XYZ'[abs(number) - 1]}" for number in (-3, -2, -1, 1, 2, 3)}
-REFERENCE = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
+OMEGA_POWER_OF_AXIS = {DISPLACEMENT_AXIS: 0, VELOCITY_AXIS: 1, ACCELERATION_AXIS: 2}
+NORMAL_DIRECTION = 3
+NAME_OF_DIRECTION = {
+    number: f"{'+-'[number < 0]}{'XYZ'[abs(number) - 1]}" for number in (-3, -2, -1, 1, 2, 3)
+}
+REFERENCE_PATTERN = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
 # A mode is at most so far from the actuator's frequency, as a share, and by this factor nearer than
 # any other.
-FARTHEST_MODE, NEARER = 0.1, 3
+MAX_MODE_DISTANCE_FRACTION, MIN_DISTANCE_RATIO_OF_MODES = 0.1, 3
 
 
 def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
@@ -48,7 +60,7 @@ def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
         rows: ``mode = NUMBER``, which mode shape is taken, or ``reference = NODE`` of the
             functions, with its direction if the node has several: ``5+Z``.
     """
-    with needing("scans", what="a universal file (or export the scan as text)"):
+    with requires_extra("scans", what="a universal file (or export the scan as text)"):
         import pyuff
     if frequency_hz is None:
         raise InputError("a universal file needs the actuator's frequency")
@@ -57,54 +69,62 @@ def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
         kinds_of_sets = [int(kind) for kind in file.get_set_types()]
     except Exception as error:  # whatever a damaged file makes of it
         raise InputError(f"not a universal file that pyuff reads: {error}") from None
-    shape_set = SHAPE if SHAPE in kinds_of_sets else RESULTS
-    reference = REFERENCE.fullmatch(rows)
+    shape_set = MODE_SHAPE_DATASET if MODE_SHAPE_DATASET in kinds_of_sets else RESULTS_DATASET
+    reference = REFERENCE_PATTERN.fullmatch(rows)
     of_mode = bool(rows) and not reference
-    shapes = shape_set in kinds_of_sets and (of_mode or FUNCTION not in kinds_of_sets)
+    shapes = shape_set in kinds_of_sets and (of_mode or FUNCTION_DATASET not in kinds_of_sets)
     sets: list[dict[str, Any]] = []
     for number, kind in enumerate(kinds_of_sets):
-        if kind in (*NODES, UNITS, shape_set if shapes else FUNCTION):
+        if kind in (*NODES_DATASETS, UNITS_DATASET, shape_set if shapes else FUNCTION_DATASET):
             try:
                 sets.append(file.read_sets(number))
             except Exception as error:
                 raise InputError(f"set {number + 1} (data set {kind}): {error}") from None
-    length = next((float(each["length"]) for each in sets if each.get("type") == UNITS), 1.0)
+    length = next(
+        (float(each["length"]) for each in sets if each.get("type") == UNITS_DATASET), 1.0
+    )
     places = {
         int(node): complex(x, y) / length
         for each in sets
-        if each.get("type") in NODES
+        if each.get("type") in NODES_DATASETS
         for node, x, y in zip(each["node_nums"], each["x"], each["y"], strict=True)
     }
     if not places:
         raise InputError("no positions of nodes (data set 15 or 2411) are in it; export them too")
     if shapes:
-        modes = [each for each in sets if each.get("type") == SHAPE]
-        modes += [_as_mode(each) for each in sets if each.get("type") == RESULTS]
-        return _mode_shape(path, modes, places, frequency_hz, rows)
+        modes = [each for each in sets if each.get("type") == MODE_SHAPE_DATASET]
+        modes += [
+            _results_as_mode_shape(each) for each in sets if each.get("type") == RESULTS_DATASET
+        ]
+        return _select_mode_shape(path, modes, places, frequency_hz, rows)
     if of_mode:
         raise InputError(
             "actuator.profile.rows is of tables, or, of a universal file, 'mode = 2' (data sets 55 "
             "and 2414) or 'reference = 5' (data set 58)"
         )
     wanted = reference[1] if reference else ""
-    return _at_frequency(path, sets, places, frequency_hz, reference=wanted)
+    return _shape_at_frequency(path, sets, places, frequency_hz, reference=wanted)
 
 
-def _as_mode(results: dict[str, Any]) -> dict[str, Any]:
+def _results_as_mode_shape(results: dict[str, Any]) -> dict[str, Any]:
     """Results at nodes (data set 2414) with the names that mode shapes have."""
     mode = {"node_nums": results.get("node_nums"), "spec_data_type": results["result_type"]}
-    if results["analysis_type"] == FREQUENCY_RESPONSE and "z" in results:
+    if results["analysis_type"] == FREQUENCY_RESPONSE_ANALYSIS and "z" in results:
         names = {"r3": "z", "freq": "frequency", "mode_n": "frequency_number"}
         return mode | {name: results[own] for name, own in names.items()}
-    if results["dataset_location"] != AT_NODES or "data_at_node" not in results:
+    if results["dataset_location"] != AT_NODES_LOCATION or "data_at_node" not in results:
         raise InputError("the results (data set 2414) are not displacements at nodes; export these")
     values = np.array(results["data_at_node"])
-    motion = values[:, 4] + 1j * values[:, 5] if results["data_type"] == COMPLEX else values[:, 2]
+    motion = (
+        values[:, 4] + 1j * values[:, 5]
+        if results["data_type"] == COMPLEX_NUMBER_TYPE
+        else values[:, 2]
+    )
     names = {"freq": "record12_field2", "mode_n": "record10_field6"}
     return mode | {"r3": motion} | {name: results[own] for name, own in names.items()}
 
 
-def _mode_shape(
+def _select_mode_shape(
     path: Path,
     modes: Sequence[dict[str, Any]],
     places: dict[int, complex],
@@ -123,21 +143,23 @@ def _mode_shape(
     asked = [at for at, number in enumerate(numbers) if name == "mode" and wanted == f"{number}"]
     away = np.abs(lines_hz / frequency_hz - 1)
     nearest, *others = np.argsort(away)
-    check_problems(
+    raise_first_problem(
         f"its modes are {named}",
         {
             f"actuator.profile.rows: {rows!r} is none of them; say mode = NUMBER": rows
             and not asked,
             f"none is at {frequency_hz:.7g} Hz (actuator.frequency); say which by "
-            "actuator.profile.rows: mode = NUMBER": not rows and away[nearest] > FARTHEST_MODE,
+            "actuator.profile.rows: mode = NUMBER": not rows
+            and away[nearest] > MAX_MODE_DISTANCE_FRACTION,
             f"several are near {frequency_hz:.7g} Hz (actuator.frequency); say which by "
             f"actuator.profile.rows: mode = {numbers[nearest]}": not rows
             and others
-            and away[others[0]] < min(NEARER * away[nearest] + 1e-3, FARTHEST_MODE),
+            and away[others[0]]
+            < min(MIN_DISTANCE_RATIO_OF_MODES * away[nearest] + 1e-3, MAX_MODE_DISTANCE_FRACTION),
         },
     )
     at = asked[0] if asked else int(nearest)
-    mode, power = modes[at], MOTION_PER_M.get(int(modes[at]["spec_data_type"]), 0)
+    mode, power = modes[at], OMEGA_POWER_OF_AXIS.get(int(modes[at]["spec_data_type"]), 0)
     nodes = np.asarray(mode["node_nums"], dtype=int)
     known = np.isin(nodes, list(places))
     amplitude = np.asarray(mode["r3"])[known].astype(complex)
@@ -149,7 +171,7 @@ def _mode_shape(
     return Scan(path, place.real, place.imag, amplitude, nodes[known], 0, signed, tuple(notes))
 
 
-def _at_frequency(
+def _shape_at_frequency(
     path: Path,
     sets: Sequence[dict[str, Any]],
     places: dict[int, complex],
@@ -159,13 +181,13 @@ def _at_frequency(
 ) -> Scan:
     """The shape that functions have at the actuator's frequency, of one reference."""
     omega = angular_frequency(frequency_hz)
-    every = [each for each in sets if each.get("type") == FUNCTION]
-    functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL] or every
-    functions, aside = _of_motion(functions, places)
-    functions = _of_reference(functions, reference)
+    every = [each for each in sets if each.get("type") == FUNCTION_DATASET]
+    functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL_DIRECTION] or every
+    functions, aside = _motion_functions(functions, places)
+    functions = _functions_of_reference(functions, reference)
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
-    check_problems(
+    raise_first_problem(
         "universal file",
         {
             "no functions (data set 58), mode shapes (55) or results (2414) are in it": not every,
@@ -174,14 +196,14 @@ def _at_frequency(
             < len(nodes),
             "the functions are not all displacements (type 8), velocities (11) or accelerations "
             f"(12) but of type {', '.join(map(str, sorted(kinds)))}": kinds
-            not in [{kind} for kind in MOTION_PER_M],
+            not in [{kind} for kind in OMEGA_POWER_OF_AXIS],
         },
     )
-    rows = [_line_at(each, omega / (2 * math.pi)) for each in functions]
+    rows = [_amplitude_at_nearest_line(each, omega / (2 * math.pi)) for each in functions]
     measured, lines_hz = (np.array(column) for column in zip(*rows, strict=True))
     numbers, seen = 1 + np.arange(len(nodes)), np.isfinite(measured)
-    amplitude = measured[seen].astype(complex) / omega ** MOTION_PER_M[min(kinds)]
-    if kinds == {ACCELERATION}:
+    amplitude = measured[seen].astype(complex) / omega ** OMEGA_POWER_OF_AXIS[min(kinds)]
+    if kinds == {ACCELERATION_AXIS}:
         amplitude = -amplitude
     place = np.array([places[node] for node in nodes])[seen]
     signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
@@ -190,21 +212,21 @@ def _at_frequency(
         *aside,
         f"read at {lines_hz.min():.7g} Hz",
         *[f"{bare} nodes without a function ignored"] * bool(bare),
-        *missing_points(numbers[~seen].tolist(), what="function"),
+        *missing_points_note(numbers[~seen].tolist(), what="function"),
     )
     return Scan(path, place.real, place.imag, amplitude, numbers[seen], missing, signed, notes)
 
 
-def _of_motion(
+def _motion_functions(
     functions: Sequence[dict[str, Any]], places: Collection[int]
 ) -> tuple[list[dict[str, Any]], list[str]]:
     """The functions that may be a shape, and a note for each kind of the others."""
     kept, aside = [], dict.fromkeys(("coherences", "power spectra", "functions without a place"), 0)
     for function in functions:
         kind = int(function.get("func_type", 0))
-        if kind in COHERENCES:
+        if kind in COHERENCE_FUNCTIONS:
             aside["coherences"] += 1
-        elif kind in POWER and len(functions) > len(places):
+        elif kind in POWER_FUNCTIONS and len(functions) > len(places):
             aside["power spectra"] += 1
         elif int(function["rsp_node"]) not in places:
             aside["functions without a place"] += 1
@@ -213,9 +235,14 @@ def _of_motion(
     return kept, [f"{count} {name} ignored" for name, count in aside.items() if count]
 
 
-def _of_reference(functions: Sequence[dict[str, Any]], reference: str) -> list[dict[str, Any]]:
+def _functions_of_reference(
+    functions: Sequence[dict[str, Any]], reference: str
+) -> list[dict[str, Any]]:
     """The functions with the reference that is asked for, or all of them."""
-    names = [f"{int(each['ref_node'])}{AXES.get(int(each['ref_dir']), '')}" for each in functions]
+    names = [
+        f"{int(each['ref_node'])}{NAME_OF_DIRECTION.get(int(each['ref_dir']), '')}"
+        for each in functions
+    ]
     counts = Counter(names)
     listing = ", ".join(f"{name} ({count} functions)" for name, count in counts.items())
     asked = [name for name in counts if reference in (name, name.rstrip("+-XYZR"))]
@@ -228,24 +255,26 @@ def _of_reference(functions: Sequence[dict[str, Any]], reference: str) -> list[d
     return [each for each, name in zip(functions, names, strict=True) if name in (asked or counts)]
 
 
-def _line_at(function: dict[str, Any], frequency_hz: float) -> tuple[complex | float, float]:
+def _amplitude_at_nearest_line(
+    function: dict[str, Any], frequency_hz: float
+) -> tuple[complex | float, float]:
     """The amplitude at the line nearest to the frequency, and that line.
 
     It is NaN where the function is not finite there, or zero at all lines: nothing was measured.
     """
     lines, data = np.asarray(function["x"], dtype=float), np.asarray(function["data"])
-    line_hz, far = nearest_line(lines, frequency_hz)
+    line_hz, far = nearest_spectral_line(lines, frequency_hz)
     nearest = int(np.argmax(lines == line_hz))
     kind, over = (int(function.get(key, 0)) for key in ("func_type", "abscissa_spec_data_type"))
-    check_problems(
+    raise_first_problem(
         f"node {int(function['rsp_node'])}",
         {
             "a function of time or a power spectrum; export amplitudes or frequency responses": kind
-            in TIME_OR_POWER
-            or over != FREQUENCY,
+            in TIME_OR_POWER_FUNCTIONS
+            or over != FREQUENCY_AXIS,
             far: far,
         },
     )
-    seen = np.any(data) and np.abs(data[nearest]) <= LARGEST_VALUE
+    seen = np.any(data) and np.abs(data[nearest]) <= MAX_FINITE_VALUE
     sign = math.copysign(1.0, int(function["rsp_dir"])) if seen else np.nan
     return sign * data[nearest], line_hz

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.cells import parsed, values_in
-from squeezefilm.film.measured.columns import OF_ROWS, WORDS, Column
-from squeezefilm.film.measured.scan import listed
-from squeezefilm.headers import folded
+from squeezefilm.film.measured.cells import distinct_values_text, parse_numbers
+from squeezefilm.film.measured.columns import OF_ROWS, WORDS, ScanColumn
+from squeezefilm.film.measured.scan import list_text
+from squeezefilm.headers import fold_accents
 from squeezefilm.lazy import pd
 
 # A column of so few whole numbers may be one of codes.
-MOST_CODES = 8
+MAX_STATUS_CODES = 8
 
 
 def valid_rows(
-    cells: pd.DataFrame, others: Sequence[Column]
-) -> tuple[pd.DataFrame, list[Column], list[str]]:
+    cells: pd.DataFrame, others: Sequence[ScanColumn]
+) -> tuple[pd.DataFrame, list[ScanColumn], list[str]]:
     """The rows that columns of a status do not call invalid, these columns, and notes on others.
 
     Raises:
@@ -27,9 +27,9 @@ def valid_rows(
     for column in others:
         if column.quantity not in OF_ROWS:
             continue
-        values = cells[column.place].map(folded)
-        numbers = parsed(values)
-        codes = values.nunique() <= MOST_CODES and bool((numbers % 1 == 0).all())
+        values = cells[column.column_index].map(fold_accents)
+        numbers = parse_numbers(values)
+        codes = values.nunique() <= MAX_STATUS_CODES and bool((numbers % 1 == 0).all())
         if numbers.notna().all() and not codes:  # a measured quality
             continue
         good, bad = {*WORDS["good"]}, {*WORDS["bad"]}
@@ -39,25 +39,26 @@ def valid_rows(
             good, bad = good | {*WORDS["no"], ""}, bad | {*WORDS["yes"]}
         if not values.isin(good).any():
             good = good | {""}
-        unclear = cells[column.place][~values.isin(good | bad)]
+        unclear = cells[column.column_index][~values.isin(good | bad)]
         if not unclear.empty and values.nunique() < 2:
             continue
         if not unclear.empty:
-            usual = cells[column.place].value_counts().index[0]
+            usual = cells[column.column_index].value_counts().index[0]
             raise InputError(
                 f"column {column.name!r} may tell which rows are valid, and has cells that are not "
-                f"understood: {values_in(unclear)}; take valid rows by actuator.profile.rows: "
+                f"understood: {distinct_values_text(unclear)}; take valid rows by "
+                f"actuator.profile.rows: "
                 f"{column.name} = {usual}; or write valid or invalid, or leave it out"
             )
         read.append(column)
         wrong = values.isin(bad)
         if wrong.any():
-            words = cells[column.place][wrong].value_counts()
+            words = cells[column.column_index][wrong].value_counts()
             which = ", ".join(f"{word} {count}" for word, count in words.items())
             many = "s" * (len(cells[wrong]) > 1)
             notes.append(
                 f"{wrong.sum()} row{many} invalid by column {column.name!r} ({which}) excluded "
-                f"(line{many} {listed(cells.index[wrong].tolist())})"
+                f"(line{many} {list_text(cells.index[wrong].tolist())})"
             )
         cells = cells[~wrong]
     return cells, read, notes

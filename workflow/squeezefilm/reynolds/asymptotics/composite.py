@@ -32,7 +32,7 @@ from squeezefilm.film.scene import Scene, Scenes, rows_by_value
 from squeezefilm.reynolds.asymptotics import core
 from squeezefilm.reynolds.asymptotics.core import Expansion, SecondOrder
 from squeezefilm.reynolds.asymptotics.films import (
-    INERTIA_SQUARE,
+    INERTIA_SQUARE_FACTOR,
     Films,
     expansion_axis,
     films_of,
@@ -45,18 +45,18 @@ from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.gap import NonuniformGap
 
 # Layers of width √(2/σ) must leave room on the shorter side: σ min(1, aspect)² at least this.
-LEAST_SIGMA = 10.0
+MIN_EXPANSION_SIGMA = 10.0
 # At this the expansions in ε have their part of order ε² alone, to rounding.
-TINY_EPSILON = 1e-5
+SECOND_ORDER_EPSILON = 1e-5
 # Scenes whose fields are held at a time; more would fall out of the caches.
-BATCH = 256
+SCENES_PER_BATCH = 256
 # Squeeze number of the shorter side from which on ``auto`` tries the expansions, to a tolerance of
 # 1e-4; it goes with the root of a closer one. Of 24 random films (ε 0.05-0.7, sinc and piston) they
 # hold 1e-4 at σ 1e4-1e5 in all, for 1.4 ms each instead of 16; 1e-6 at σ 1e5-1e6 in 12, and 1e6-1e7
 # in 21, for 21 and 9 ms instead of 210 and 980.
 THIN_LAYER_SIGMA, THIN_LAYER_TOLERANCE = 1e4, 1e-4
 # Motion so small, in ε² over the tolerance, that rounding hides a periodic state's force.
-TINY_MOTION = 1e-3
+MIN_RESOLVED_MOTION = 1e-3
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class AsymptoticForces:
     error: np.ndarray
 
 
-def expansion_points(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
+def expansion_point_count(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
     """Points per direction that a profile about as smooth as the paper's sinc needs.
 
     The error estimate, not only the error, then meets the tolerance: every other node must do.
@@ -85,10 +85,10 @@ def expansion_points(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
     return points.astype(np.int64)
 
 
-Expand = Callable[[Films], AsymptoticForces]
+ExpansionFunction = Callable[[Films], AsymptoticForces]
 
 
-def _with_slip_and_inertia(expand: Expand) -> Expand:
+def _with_slip_and_inertia(expand: ExpansionFunction) -> ExpansionFunction:
     """An expansion of films that may have slip, inertia or both.
 
     Both together: that with slip, and the change by inertia in a film without slip whose gas flows
@@ -96,7 +96,7 @@ def _with_slip_and_inertia(expand: Expand) -> Expand:
     """
 
     @wraps(expand)
-    def together(films: Films) -> AsymptoticForces:
+    def expand_with_both(films: Films) -> AsymptoticForces:
         if not np.any((films.slip != 0) & (films.reynolds != 0)):
             return expand(films)
         none = np.zeros_like(films.slip)
@@ -112,7 +112,7 @@ def _with_slip_and_inertia(expand: Expand) -> Expand:
         error = np.maximum(slipping.error, moving.error) + films.slip_fraction * np.abs(change)
         return AsymptoticForces(mean=slipping.mean + change, error=_infinite_where_missing(error))
 
-    return together
+    return expand_with_both
 
 
 @_with_slip_and_inertia
@@ -123,10 +123,10 @@ def high_squeeze_limit(films: Films) -> AsymptoticForces:
     With inertia core and edge are others (core.py). The error is the edge layer's correction
     and that one's error.
     """
-    fine, coarse = _expand(films), _expand(films.coarser)
+    fine, coarse = _second_order_change(films), _second_order_change(films.coarser)
     error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_fraction * fine.gross
     error = error + grid_error(films, fine.density, coarse.density)
-    return _forces(films, mean=films.mean(fine.density), error=error)
+    return _asymptotic_forces(films, mean=films.mean(fine.density), error=error)
 
 
 @_with_slip_and_inertia
@@ -138,11 +138,11 @@ def edge_layer_expansion(films: Films) -> AsymptoticForces:
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
     inertia the next order is ε²/σ (edge_layer.py), without it ε²/σ^(3/2).
     """
-    fine, coarse = _expand(films), _expand(films.coarser)
+    fine, coarse = _second_order_change(films), _second_order_change(films.coarser)
     error = films.layer_remainder + films.slip_fraction * fine.gross
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
-    return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+    return _asymptotic_forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
 @_with_slip_and_inertia
@@ -178,27 +178,29 @@ def composite_expansion(films: Films) -> AsymptoticForces:
         2 * square * np.sqrt(films.narrowing) * np.abs(change)
         + films.corner_remainder
         + square * films.narrowing * films.streaming_remainder
-        + INERTIA_SQUARE * square * films.narrowing * films.inertia_remainder
+        + INERTIA_SQUARE_FACTOR * square * films.narrowing * films.inertia_remainder
         + square * films.narrowing * films.slip_fraction * fine.gross
     )
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
-    return _forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+    return _asymptotic_forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
 def _exact_second_order(films: Films) -> tuple[Expansion, np.ndarray]:
     """An expansion with its part of order ε² exchanged for the exact one, and what that changes."""
-    full, exact, square = _expand(films), _second_order(films), films.epsilon**2
-    second = _expand(replace(films, epsilon=np.full_like(films.epsilon, TINY_EPSILON)))
-    density = exact.flow - exact.loss - second.density / TINY_EPSILON**2
-    layer = exact.edge_mean - second.layer / TINY_EPSILON**2
+    full, exact, square = _second_order_change(films), _second_order(films), films.epsilon**2
+    second = _second_order_change(
+        replace(films, epsilon=np.full_like(films.epsilon, SECOND_ORDER_EPSILON))
+    )
+    density = exact.flow - exact.loss - second.density / SECOND_ORDER_EPSILON**2
+    layer = exact.edge_mean - second.layer / SECOND_ORDER_EPSILON**2
     changed = Expansion(
         full.density + per_film(square) * density, full.layer + square * layer, full.gross
     )
     return changed, square * (films.mean(density) + layer)
 
 
-def _expand(films: Films) -> Expansion:
+def _second_order_change(films: Films) -> Expansion:
     return (
         core.expand_with_inertia(films)
         if films.reynolds.any()
@@ -210,12 +212,12 @@ def _second_order(films: Films) -> SecondOrder:
     if films.rest_gap is not None:
         raise ValueError("the second order in ε is derived for gaps that are uniform at rest")
     inertia = films.reynolds.any()
-    return core.second_order_with_inertia(films) if inertia else core.second_order(films)
+    return core.second_order_mean_with_inertia(films) if inertia else core.second_order_mean(films)
 
 
-def _forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
+def _asymptotic_forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
     """Forces, with an infinite error where layers are too thick or the layer's table ends."""
-    thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= LEAST_SIGMA
+    thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= MIN_EXPANSION_SIGMA
     return AsymptoticForces(mean=mean, error=_infinite_where_missing(np.where(thin, error, np.inf)))
 
 
@@ -287,14 +289,14 @@ class Expanded:
 NOT_EXPANDED = Expanded.of([])
 
 
-def not_derived_for(plan: Plan) -> dict[int, str]:
+def reasons_not_expanded(plan: Plan) -> dict[int, str]:
     """The scenes of whose force there is no expansion, and why."""
     still = np.flatnonzero(plan.scenes.epsilon == 0).tolist()
     reason = "the composite expansion is derived for a surface that vibrates"
-    return dict.fromkeys(still, reason) | plan.reasons(_not_derived)
+    return dict.fromkeys(still, reason) | plan.reasons_by_row(_reason_not_expanded)
 
 
-def _not_derived(scene: Scene, terms: Terms) -> str:
+def _reason_not_expanded(scene: Scene, terms: Terms) -> str:
     """Return the reason why no expansion is derived for a film and its terms, or an empty text."""
     what = "the composite expansion is derived for"
     if scene.pad.shape != "rectangle":
@@ -326,23 +328,25 @@ def composite(
     if auto:
         shorter = scenes.sigma * np.minimum(1.0, scenes.aspect) ** 2
         thin = THIN_LAYER_SIGMA * max(1.0, THIN_LAYER_TOLERANCE / tolerance) ** 0.5
-        known = (shorter >= thin) | (scenes.epsilon**2 <= TINY_MOTION * tolerance)
+        known = (shorter >= thin) | (scenes.epsilon**2 <= MIN_RESOLVED_MOTION * tolerance)
         if not known.any():
             return NOT_EXPANDED
-    known[[*excluded, *not_derived_for(plan)]] = False
+    known[[*excluded, *reasons_not_expanded(plan)]] = False
     rows = np.flatnonzero(known)
-    by_layer = expanded(edge_layer_expansion, plan, rows, tolerance=tolerance)
+    by_layer = expand_scenes(edge_layer_expansion, plan, rows, tolerance=tolerance)
     flat = np.broadcast_to(scenes.column(lambda film: film.pad.gap.flat), len(scenes))
     more = np.flatnonzero(flat[rows] & ~by_layer.is_accurate(tolerance))
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
     # grid's error was twice the tolerance (σ 1e5, 1e-6).
-    joined = expanded(_with_second_order, plan, rows[more], tolerance=tolerance / 10, layers=True)
+    joined = expand_scenes(
+        _composite_or_second_order, plan, rows[more], tolerance=tolerance / 10, layers=True
+    )
     better = joined.error < by_layer.error[more]
     by_layer.write_rows(more[better], joined[better])
     return by_layer[by_layer.is_accurate(tolerance)] if auto else by_layer
 
 
-def _with_second_order(films: Films) -> AsymptoticForces:
+def _composite_or_second_order(films: Films) -> AsymptoticForces:
     """The composite expansion; where layers are too thick for it, the second order in ε alone."""
     forces = composite_expansion(films)
     thick = ~np.isfinite(forces.error)
@@ -352,8 +356,8 @@ def _with_second_order(films: Films) -> AsymptoticForces:
     return forces
 
 
-def expanded(
-    expand: Expand,
+def expand_scenes(
+    expand: ExpansionFunction,
     plan: Plan,
     rows: np.ndarray | Sequence[int],
     *,
@@ -374,7 +378,7 @@ def expanded(
     for points, of_axis, at_least in zip(
         (found.nx, found.ny), (sigma, sigma * scenes.aspect**2), nodes.T, strict=True
     ):
-        wanted = expansion_points(tolerance=tolerance, sigma=of_axis)
+        wanted = expansion_point_count(tolerance=tolerance, sigma=of_axis)
         points[:] = np.maximum(wanted, at_least)
     # Films of one kind together: fields real or complex, gaps even at rest or not, inertia or not.
     kinds = [
@@ -384,17 +388,19 @@ def expanded(
     ]
     columns = [np.broadcast_to(each, len(scenes)) for each in (found.nx, found.ny, *kinds)]
     for group in rows_by_value(*columns):
-        for start in range(0, len(group), BATCH):
-            batch = group[start : start + BATCH]
-            forces = expand(_films(scenes[batch], nx=found.nx[batch[0]], ny=found.ny[batch[0]]))
+        for start in range(0, len(group), SCENES_PER_BATCH):
+            batch = group[start : start + SCENES_PER_BATCH]
+            forces = expand(
+                _films_of_scenes(scenes[batch], nx=found.nx[batch[0]], ny=found.ny[batch[0]])
+            )
             found.mean[batch], found.error[batch] = forces.mean, forces.error
     return found
 
 
-def _films(scenes: Scenes, *, nx: int, ny: int) -> Films:
+def _films_of_scenes(scenes: Scenes, *, nx: int, ny: int) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
     like = scenes.films[scenes.film_index[0]]
-    amplitudes, which = scenes.at_places(
+    amplitudes, which = scenes.find_at_positions(
         lambda pad_positions: pad_positions.amplitude(x.ravel(), y.ravel())
     )
     rise_m = scenes.column(lambda film: film.pad.gap.rise_m(x, y))

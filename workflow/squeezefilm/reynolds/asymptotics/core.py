@@ -22,10 +22,10 @@ from math import ceil, log
 import numpy as np
 
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.asymptotics.films import Films, fixed_point, per_film
+from squeezefilm.reynolds.asymptotics.films import Films, find_fixed_point, per_film
 
 # Of the sums over harmonics.
-SUM_PRECISION, MOST_HARMONICS = 1e-10, 200
+HARMONIC_SUM_PRECISION, MAX_HARMONICS = 1e-10, 200
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def high_squeeze_expansion(films: Films) -> Expansion:
     return Expansion(density=density, layer=layer, gross=gross)
 
 
-def second_order(films: Films) -> SecondOrder:
+def second_order_mean(films: Films) -> SecondOrder:
     """Densities v and |p̂|²/(4 (1 + slip)) of the mean over ε² (``small_amplitude_expansion``)."""
     thick, number = 1 + per_film(films.slip), per_film(films.layer_number)
     linear = films.solve(1j * number * films.s, shift=1j * number)
@@ -119,11 +119,11 @@ def core_coefficient(
     kappa = np.sqrt(1 - gap_square)
     rho_square = (1 - kappa) / (1 + kappa)
     most = float(rho_square.max())
-    harmonics = ceil(log(SUM_PRECISION) / log(most)) if 0 < most < 1 else 1
+    harmonics = ceil(log(HARMONIC_SUM_PRECISION) / log(most)) if 0 < most < 1 else 1
     scaled = kappa**2 * rate_square
     beta, change = np.zeros_like(scaled), np.zeros_like(scaled)
     power = 2 * kappa / (1 + kappa) ** 2
-    for k in range(1, min(harmonics, MOST_HARMONICS) + 1):
+    for k in range(1, min(harmonics, MAX_HARMONICS) + 1):
         addend = power * k**2 / (1 + k**2 * scaled)
         beta += addend * scaled
         change += addend * kappa**2 / (1 + k**2 * scaled)
@@ -142,7 +142,7 @@ def expand_with_inertia(films: Films) -> Expansion:
     curvature = films.laplacian(at_edge)
     rate_square = per_film(films.reynolds / 10) ** 2
 
-    def from_rise(rise: np.ndarray) -> np.ndarray:
+    def rise_iteration(rise: np.ndarray) -> np.ndarray:
         beta, _ = core_coefficient(gap_square, rate_square * (1 + rise))
         flux = (
             beta * (gap_square * along - (1 + rise) * slope)
@@ -150,7 +150,7 @@ def expand_with_inertia(films: Films) -> Expansion:
         )
         return at_edge + films.solve(films.divergence(*flux) - curvature)
 
-    rise = fixed_point(from_rise, at_edge)
+    rise = find_fixed_point(rise_iteration, at_edge)
     total, root = np.sqrt(1 + rise), np.sqrt(1 - gap_square)
     density = (rise / (total + 1) + gap_square / (1 + root)) / root
 
@@ -162,12 +162,12 @@ def expand_with_inertia(films: Films) -> Expansion:
     ]
     weight = 1 / (2 * total * root)
 
-    def from_adjoint(chi: np.ndarray) -> np.ndarray:
+    def adjoint_iteration(chi: np.ndarray) -> np.ndarray:
         along = films.gradient(chi)
         flux = films.divergence(*(gap_square * beta * gradient for gradient in along))
         return films.solve(weight + flux + drift[0] * along[0] + drift[1] * along[1])
 
-    chi = fixed_point(from_adjoint, films.solve(weight))
+    chi = find_fixed_point(adjoint_iteration, films.solve(weight))
     layer, gross = layer_correction(
         films,
         d=d,
@@ -177,7 +177,7 @@ def expand_with_inertia(films: Films) -> Expansion:
     return Expansion(density=density, layer=layer, gross=gross)
 
 
-def second_order_with_inertia(films: Films) -> SecondOrder:
+def second_order_mean_with_inertia(films: Films) -> SecondOrder:
     """The mean over ε² for ε → 0, any σ (see ``composite.small_amplitude_expansion``).
 
     With m = 1/(1 + i Re/10) and λ = iσ/m the linear pressure obeys ∇²p̂ = λ(p̂ + s) and the mean

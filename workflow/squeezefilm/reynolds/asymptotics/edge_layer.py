@@ -20,7 +20,7 @@ With the gas' inertia the core sees ψ² on the edge, the layer's own gauge pres
 changes g and h of the edge's ψ² with the slopes of the profile and of the core.
 
 The same command computes them. They are stored as (ψ² − 1)/a², d/a², g/a and h/a² at Chebyshev
-points: in Re up to MOST_REYNOLDS and, for each Re, in −ln(1 − a²) up to a = ``largest(Re)``.
+points: in Re up to MAX_TABLE_REYNOLDS and, for each Re, in −ln(1 − a²) up to a = ``largest(Re)``.
 Somewhere beyond, waves steepen to a shock in the layer, and no periodic state was found that a
 finer grid would not change.
 
@@ -54,51 +54,54 @@ from squeezefilm.reynolds.spectral import Axis
 
 LAYER_TABLE = Path(__file__).with_name("edge_layer.csv")
 LAYER_TABLE_WITH_INERTIA = Path(__file__).with_name("edge_layer_with_inertia.csv")
-MOST_REYNOLDS = 10.0
-REYNOLDS_ROWS, INERTIA_ROWS = 14, 18
-LARGEST_EXCURSION = 0.98
-TABLE_ROWS = 41
+MAX_TABLE_REYNOLDS = 10.0
+REYNOLDS_NUMBER_COUNT, EXCURSIONS_WITH_INERTIA = 14, 18
+MAX_TABLE_EXCURSION = 0.98
+EXCURSION_COUNT = 41
 
 
 def layer_integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """d and g at excursion ratios |a| ≤ LARGEST_EXCURSION, any shape; beyond, both are NaN."""
+    """d and g at excursion ratios |a| ≤ MAX_TABLE_EXCURSION, any shape; beyond, both are NaN."""
     d, g, _ = layer_ratios(a)
     return np.square(a) * d, a * g
 
 
 def layer_ratios(a: np.ndarray) -> np.ndarray:
-    """d/a², g/a and q/a at excursion ratios |a| ≤ LARGEST_EXCURSION, shape (3, …); NaN beyond."""
+    """d/a², g/a and q/a at excursion ratios |a| ≤ MAX_TABLE_EXCURSION, shape (3, …); NaN beyond."""
     size = np.abs(np.asarray(a, dtype=float))
     table_coordinate = (
-        2 * log_gap(np.minimum(size, LARGEST_EXCURSION)) / log_gap(LARGEST_EXCURSION) - 1
+        2
+        * log_narrowing(np.minimum(size, MAX_TABLE_EXCURSION))
+        / log_narrowing(MAX_TABLE_EXCURSION)
+        - 1
     )
     # All polynomials at once: chebval goes through them one by one.
     polynomials = np.cos(
-        np.multiply.outer(np.arange(TABLE_ROWS), np.arccos(np.clip(table_coordinate, -1, 1)))
+        np.multiply.outer(np.arange(EXCURSION_COUNT), np.arccos(np.clip(table_coordinate, -1, 1)))
     )
-    values = np.tensordot(_series().T, polynomials, axes=1)
-    return np.where(size > LARGEST_EXCURSION * (1 + 1e-12), np.nan, values)
+    values = np.tensordot(_layer_series().T, polynomials, axes=1)
+    return np.where(size > MAX_TABLE_EXCURSION * (1 + 1e-12), np.nan, values)
 
 
 @lru_cache(maxsize=256)
-def all_weights(line: Axis) -> np.ndarray:
+def weights_with_ends(line: Axis) -> np.ndarray:
     """Clenshaw–Curtis weights on all nodes of an unfolded axis, ends included, shape (n + 2,)."""
     order = line.points + 1
     end = 1 / order**2 if order % 2 else 1 / (order**2 - 1)
     return np.concatenate([[end / 2], line.weights, [end / 2]])
 
 
-def log_gap(a: np.ndarray | float) -> np.ndarray:
+def log_narrowing(a: np.ndarray | float) -> np.ndarray:
     """Return −ln(1 − a²), in which the tables have Chebyshev points."""
     return -np.log1p(-np.square(a))
 
 
 @lru_cache(maxsize=1)
-def _series() -> np.ndarray:
-    """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (TABLE_ROWS, 3)."""
+def _layer_series() -> np.ndarray:
+    """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (EXCURSION_COUNT, 3)."""
     rows = np.loadtxt(LAYER_TABLE, delimiter=",", skiprows=1)
-    nodes = 2 * log_gap(rows[:, 0]) / log_gap(LARGEST_EXCURSION) - 1
-    return np.linalg.solve(chebyshev.chebvander(nodes, TABLE_ROWS - 1), rows[:, 1:])
+    nodes = 2 * log_narrowing(rows[:, 0]) / log_narrowing(MAX_TABLE_EXCURSION) - 1
+    return np.linalg.solve(chebyshev.chebvander(nodes, EXCURSION_COUNT - 1), rows[:, 1:])
 
 
 def largest_excursion(reynolds: np.ndarray | float) -> np.ndarray:
@@ -115,13 +118,14 @@ def edge_functions(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
     reynolds = np.asarray(reynolds, dtype=float)
     films = a.reshape(len(reynolds), -1)
     most = largest_excursion(reynolds)[:, None]
-    inside = (np.abs(films) <= most) & (reynolds[:, None] <= MOST_REYNOLDS)
-    table_coordinate = 2 * log_gap(np.minimum(np.abs(films), most)) / log_gap(most) - 1
-    powers = chebyshev.chebvander(table_coordinate, INERTIA_ROWS - 1)
+    inside = (np.abs(films) <= most) & (reynolds[:, None] <= MAX_TABLE_REYNOLDS)
+    table_coordinate = 2 * log_narrowing(np.minimum(np.abs(films), most)) / log_narrowing(most) - 1
+    powers = chebyshev.chebvander(table_coordinate, EXCURSIONS_WITH_INERTIA - 1)
     of_film = chebyshev.chebvander(
-        2 * np.minimum(reynolds, MOST_REYNOLDS) / MOST_REYNOLDS - 1, REYNOLDS_ROWS - 1
+        2 * np.minimum(reynolds, MAX_TABLE_REYNOLDS) / MAX_TABLE_REYNOLDS - 1,
+        REYNOLDS_NUMBER_COUNT - 1,
     )
-    series = np.einsum("br,kra->bka", of_film, _series_with_inertia())
+    series = np.einsum("br,kra->bka", of_film, _layer_series_with_inertia())
     values = np.einsum("bka,bma->kbm", series, powers)
     ratio = np.where(inside, films, np.nan)
     scaled = values * np.stack([ratio**2, ratio**2, ratio, ratio**2])
@@ -129,14 +133,17 @@ def edge_functions(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=1)
-def _series_with_inertia() -> np.ndarray:
-    """Chebyshev coefficients of the functions in Re and a, (4, REYNOLDS_ROWS, INERTIA_ROWS)."""
+def _layer_series_with_inertia() -> np.ndarray:
+    """Chebyshev coefficients of the functions in Re and a, (4, REYNOLDS_NUMBER_COUNT,
+    EXCURSIONS_WITH_INERTIA)."""
     # Rows Re, a, (ψ² − 1)/a², d/a², g/a, h/a².
     rows = np.loadtxt(LAYER_TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
-    values = np.moveaxis(rows[:, 2:].reshape(REYNOLDS_ROWS, INERTIA_ROWS, 4), 2, 0)
+    values = np.moveaxis(
+        rows[:, 2:].reshape(REYNOLDS_NUMBER_COUNT, EXCURSIONS_WITH_INERTIA, 4), 2, 0
+    )
     of_reynolds, of_a = (
         np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts1(count), count - 1))
-        for count in (REYNOLDS_ROWS, INERTIA_ROWS)
+        for count in (REYNOLDS_NUMBER_COUNT, EXCURSIONS_WITH_INERTIA)
     )
     series: np.ndarray = of_reynolds @ values @ of_a.T
     return series

@@ -8,23 +8,23 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.asymptotics.edge_layer import all_weights
+from squeezefilm.reynolds.asymptotics.edge_layer import weights_with_ends
 from squeezefilm.reynolds.spectral import Axis, axis
 
 # The error estimates' constants.
-EDGE_SLOPES, INNER_CURVATURE, CORNER_FACTOR, MEETING_LAYERS_FACTOR = 4.5, 3.0, 0.9, 4.5
-STIFF_FACTOR, FREE_FLOW_FACTOR, FREE_FLOW_SIGMA = 0.8, 6.0, 6.0
-STREAMING_FACTOR = 1.5
-SHAPE_FACTOR = 0.02
-SLIP_FRACTION = 0.5
-INERTIA_SLOPES, INERTIA_CORNER_FACTOR, INERTIA_SQUARE = 1.8, 1.2, 2.0
+EDGE_SLOPE_FACTOR, INNER_CURVATURE_FACTOR, CORNER_FACTOR, MEETING_LAYERS_FACTOR = 4.5, 3.0, 0.9, 4.5
+STIFF_FILM_AMPLITUDE_FACTOR, FREE_FLOW_AMPLITUDE_FACTOR, FREE_FLOW_SIGMA = 0.8, 6.0, 6.0
+QUADRATURE_STREAMING_FACTOR = 1.5
+STATIC_GAP_FACTOR = 0.02
+SLIP_REMAINDER_FACTOR = 0.5
+INERTIA_SLOPE_FACTOR, INERTIA_CORNER_FACTOR, INERTIA_SQUARE_FACTOR = 1.8, 1.2, 2.0
 # Forces on two grids can agree by cancellation where the densities do not.
-DENSITY_FRACTION = 0.1
+MIN_FRACTION_OF_DENSITY_CHANGE = 0.1
 
 # Of the rounds that solve for the core with inertia, or under a gap that is shaped at rest.
-ROUND_PRECISION, MOST_ROUNDS = 1e-11, 100
+FIXED_POINT_PRECISION, MAX_FIXED_POINT_ROUNDS = 1e-11, 100
 
-Numbers = float | np.ndarray
+FloatOrArray = float | np.ndarray
 
 
 def expansion_axis(points: int) -> Axis:
@@ -73,7 +73,7 @@ class Films:
 
     def mean(self, field: np.ndarray) -> np.ndarray:
         """Mean over the pad, shape (B,)."""
-        return (field @ all_weights(self.y_axis)) @ all_weights(self.x_axis)
+        return (field @ weights_with_ends(self.y_axis)) @ weights_with_ends(self.x_axis)
 
     def gradient(self, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives along x and y."""
@@ -117,10 +117,10 @@ class Films:
         bend = self.laplacian(half) / half
         middle = per_film((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
 
-        def improved(v: np.ndarray) -> np.ndarray:
+        def next_iterate(v: np.ndarray) -> np.ndarray:
             return self.solve(source / half + (bend - middle) * v, shift=middle)
 
-        return fixed_point(improved, np.zeros_like(half)) / half
+        return find_fixed_point(next_iterate, np.zeros_like(half)) / half
 
     def on_edge(self, field: np.ndarray) -> np.ndarray:
         sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
@@ -151,7 +151,7 @@ class Films:
     def edge_integral(self, values: np.ndarray) -> np.ndarray:
         """Integral along the edge over the pad's area, shape (B,)."""
         sides = np.split(values, [2 * (self.y_axis.points + 2)], axis=1)
-        weights = (np.tile(all_weights(line), 2) for line in (self.y_axis, self.x_axis))
+        weights = (np.tile(weights_with_ends(line), 2) for line in (self.y_axis, self.x_axis))
         along_y, along_x = (
             side @ weights_of_side for side, weights_of_side in zip(sides, weights, strict=True)
         )
@@ -206,7 +206,7 @@ class Films:
     @property
     def slip_fraction(self) -> np.ndarray:
         """Relative change of the layer by slip beyond the change of its thickness, at most."""
-        return SLIP_FRACTION * self.slip
+        return SLIP_REMAINDER_FACTOR * self.slip
 
     @property
     def corner_remainder(self) -> np.ndarray:
@@ -233,8 +233,8 @@ class Films:
             + self.shape_remainder
             + self.epsilon**2
             * (
-                EDGE_SLOPES * np.sqrt(self.narrowing) * self.edge_unevenness / sigma**1.5
-                + INNER_CURVATURE * np.sqrt(self.narrowing) * curvature / sigma**2
+                EDGE_SLOPE_FACTOR * np.sqrt(self.narrowing) * self.edge_unevenness / sigma**1.5
+                + INNER_CURVATURE_FACTOR * np.sqrt(self.narrowing) * curvature / sigma**2
                 + MEETING_LAYERS_FACTOR
                 * self.edge_integral(np.abs(self.edge_profile) ** 2)
                 * meeting
@@ -249,7 +249,7 @@ class Films:
             return 0.0
         uneven = self.mean(self.unevenness)
         root = np.sqrt(self.narrowing)
-        return STREAMING_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
+        return QUADRATURE_STREAMING_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
 
     @property
     def shape_remainder(self) -> np.ndarray | float:
@@ -261,7 +261,7 @@ class Films:
         bent = self.on_edge(np.abs(self.laplacian(self.rest_gap)) / self.rest_gap)
         uneven = self.edge_integral((steep + bent) * np.abs(self.edge_profile) ** 2)
         root = np.sqrt(self.narrowing)
-        return SHAPE_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
+        return STATIC_GAP_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
 
     @property
     def inertia_remainder(self) -> np.ndarray | float:
@@ -270,7 +270,9 @@ class Films:
             return 0.0
         corners = self.profile_squared[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1) / self.aspect
         spread = np.maximum(np.log(self.sigma) - 2.2, 0.5)
-        uneven = INERTIA_SLOPES * self.edge_unevenness + INERTIA_CORNER_FACTOR * spread * corners
+        uneven = (
+            INERTIA_SLOPE_FACTOR * self.edge_unevenness + INERTIA_CORNER_FACTOR * spread * corners
+        )
         return self.epsilon**2 * uneven * self.reynolds / 10 / self.decay_number
 
     @cached_property
@@ -298,7 +300,7 @@ class Films:
         return (
             phases
             * self.epsilon**2
-            * (STIFF_FACTOR + FREE_FLOW_FACTOR * free)
+            * (STIFF_FILM_AMPLITUDE_FACTOR + FREE_FLOW_AMPLITUDE_FACTOR * free)
             * self.narrowing ** (1 + 3.5 * free)
         )
 
@@ -308,9 +310,9 @@ def films_of(
     sigma: np.ndarray,
     amplitude: np.ndarray,
     *,
-    aspect: Numbers = 1.0,
-    slip: Numbers = 0.0,
-    reynolds: Numbers = 0.0,
+    aspect: FloatOrArray = 1.0,
+    slip: FloatOrArray = 0.0,
+    reynolds: FloatOrArray = 0.0,
     rest_gap: np.ndarray | None = None,
 ) -> Films:
     """Films of profiles over h0, and of gaps at rest likewise if they are not even.
@@ -319,8 +321,8 @@ def films_of(
         epsilon, sigma: excursion ratio and squeeze number, shape (B,).
         amplitude: profile s, or s₁ + i s₂ of two quadrature components, on the nodes
             ``expansion_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2);
-            nx and ny odd, at least 5 (``composite.expansion_points``). With inertia in one phase
-            alone.
+            nx and ny odd, at least 5 (``composite.expansion_point_count``). With inertia in one
+            phase alone.
         aspect: pad's length along y over that along x, a number or shape (B,).
         slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
         reynolds: modified Reynolds number ρ ω h0²/μ, a number or shape (B,); 0 without inertia.
@@ -349,19 +351,20 @@ def grid_error(
     half = films.coarser
     change = films.mean(fine) - half.mean(coarse) + layer_change
     return np.maximum(
-        np.abs(change), DENSITY_FRACTION * half.mean(np.abs(fine[:, ::2, ::2] - coarse))
+        np.abs(change),
+        MIN_FRACTION_OF_DENSITY_CHANGE * half.mean(np.abs(fine[:, ::2, ::2] - coarse)),
     )
 
 
-def fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> np.ndarray:
+def find_fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray) -> np.ndarray:
     """Return the fixed point of ``step``; NaN for films whose iteration does not converge."""
     field = start
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_FIXED_POINT_ROUNDS):
         last, field = field, step(field)
         change = np.abs(field - last).max(axis=(1, 2))
-        if not np.any(change > ROUND_PRECISION * np.abs(field).max(axis=(1, 2))):
+        if not np.any(change > FIXED_POINT_PRECISION * np.abs(field).max(axis=(1, 2))):
             break
-    settled = change <= 1e3 * ROUND_PRECISION * np.abs(field).max(axis=(1, 2))
+    settled = change <= 1e3 * FIXED_POINT_PRECISION * np.abs(field).max(axis=(1, 2))
     return np.where(per_film(settled), field, np.nan)
 
 

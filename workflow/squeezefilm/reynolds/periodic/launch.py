@@ -21,57 +21,62 @@ from squeezefilm.reynolds.device import (
     run_kernel,
 )
 from squeezefilm.reynolds.grid import (
-    INTERPOLATION_NAMES,
+    INTERPOLATION_MATRIX_NAMES,
     Grid,
     carrying_matrices,
     grid_matrices,
-    iteration_flops,
+    krylov_iteration_flops,
 )
 from squeezefilm.reynolds.layout import (
     ABSENT_INDEX,
     Columns,
     Packed,
+    c_hook_calls,
     c_struct,
-    c_terms,
     packed,
     rows_of,
-    with_absent,
+    with_absent_numbers,
 )
-from squeezefilm.reynolds.packing import mean_motion, numbers_table, profiles_at, terms_of_all
-from squeezefilm.reynolds.periodic.time_modes import modes_of
+from squeezefilm.reynolds.packing import (
+    common_terms,
+    equation_numbers_table,
+    mean_gap_motion,
+    packed_profiles,
+)
+from squeezefilm.reynolds.periodic.time_modes import time_modes_of_films
 from squeezefilm.reynolds.terms import (
-    SWITCHED_TERMS,
+    SWITCHABLE_TERM_NAMES,
     Terms,
-    axes_of,
     compiled_terms,
-    flow_terms_of,
+    flow_axis_count,
+    flow_term_count,
+    have_velocities,
     is_radial,
-    own_fields,
     preconditioner_count,
     terms_of,
-    unknown_fields,
-    with_velocities,
+    unknown_field_count,
+    work_field_count,
 )
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 
-MOST_NEWTON = 40
-LEAST_KRYLOV, MOST_KRYLOV = 20, 80
-LARGEST_WORKSPACE_BYTES = 256 * 2**20
+MAX_NEWTON_STEPS = 40
+MIN_KRYLOV_ITERATIONS, MAX_KRYLOV_ITERATIONS = 20, 80
+MAX_WORKSPACE_BYTES = 256 * 2**20
 # Operations that a scene may take; half of them on one grid. One core does 4e9 to 2e10 a second. Of
 # the films of verification/films.py, those that are solved take up to 2e11 (Re 5, σ 1, at 1e-5).
-MOST_WORK = 5e11
+MAX_OPERATIONS = 5e11
 
 # How an iteration ends: the kernel's names, and what is said of it.
-STATUS_OF_ENDING = {
+STATUS_OF_KERNEL_ENDING = {
     "CONVERGED": "ok",
     "STALLED": "not converged: Newton's method",
     "NOT_FINITE": "not converged: the pressure became infinite",
-    "OVER_LIMIT": f"not converged: no state within {MOST_WORK:.0e} operations",
+    "OVER_LIMIT": f"not converged: no state within {MAX_OPERATIONS:.0e} operations",
 }
-STATUS_TEXTS = tuple(STATUS_OF_ENDING.values())
+STATUS_TEXTS = tuple(STATUS_OF_KERNEL_ENDING.values())
 
 # What the device says of a scene on a grid beside its gauge pressure: a row of its results.
-RESULT_ROW = np.dtype(
+RESULT_DTYPE = np.dtype(
     [
         *((name, np.float64) for name in ("mean", "residual", "largest", "lowest")),
         *((name, np.float64) for name in ("moment", "size")),
@@ -92,7 +97,7 @@ class States:
         unknowns: p = P − 1 in units of the ambient pressure and the terms' own unknowns, shape
             (scenes, fields, nx, ny, nt), of one scene (fields, nx, ny, nt); without fields where
             the batch does not ask for them.
-        results: rows of what the device says of the scenes, RESULT_ROW.
+        results: rows of what the device says of the scenes, RESULT_DTYPE.
     """
 
     grid: Grid
@@ -123,15 +128,15 @@ class States:
 
 
 @lru_cache(maxsize=256)
-def _most_krylov(grid: Grid, terms: Terms) -> int:
+def _max_krylov_iterations(grid: Grid, terms: Terms) -> int:
     """Krylov iterations that a Newton step may take: as many as there is room for.
 
     Where their vectors will stand, perhaps of single precision, there is room for four matrices in
     time (thermal_over_period.cl).
     """
-    room = LARGEST_WORKSPACE_BYTES // (8 * grid.count * unknown_fields(terms)) - 8
-    least = max(LEAST_KRYLOV, -(-8 * (grid.nt + 1) // (grid.nx * grid.ny)))
-    return max(min(room, MOST_KRYLOV), least)
+    room = MAX_WORKSPACE_BYTES // (8 * grid.count * unknown_field_count(terms)) - 8
+    least = max(MIN_KRYLOV_ITERATIONS, -(-8 * (grid.nt + 1) // (grid.nx * grid.ny)))
+    return max(min(room, MAX_KRYLOV_ITERATIONS), least)
 
 
 @lru_cache(maxsize=64)
@@ -144,19 +149,19 @@ def _grid_sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns
     )
     compiled = compiled_terms(terms)
     own = {term.NAME for term in terms}
-    switched = [term.NAME for term in compiled if term.NAME in SWITCHED_TERMS]
-    fields, flow_terms = unknown_fields(terms), flow_terms_of(terms)
+    switched = [term.NAME for term in compiled if term.NAME in SWITCHABLE_TERM_NAMES]
+    fields, flow_terms = unknown_field_count(terms), flow_term_count(terms)
     largest = fields * max(grid.count for grid in grids)
     breaks_x = any("x" in term.BREAKS_SYMMETRY_OF for term in terms)
     values = [
         (
             *grid.shape,
-            _most_krylov(grid, terms),
-            MOST_WORK / 2 / iteration_flops(grid, terms),
-            grid.x.in_halves,
-            grid.y.in_halves,
-            grid.x.in_halves and not (breaks_x and grid.outline is None),
-            grid.outline is not None and grid.outline.varies_around,
+            _max_krylov_iterations(grid, terms),
+            MAX_OPERATIONS / 2 / krylov_iteration_flops(grid, terms),
+            grid.x.in_even_odd_parts,
+            grid.y.in_even_odd_parts,
+            grid.x.in_even_odd_parts and not (breaks_x and grid.outline is None),
+            grid.outline is not None and grid.outline.varies_more_with_nu,
             guessed and stage == 0,
             largest,
             fields,
@@ -190,7 +195,7 @@ class Batch:
     grids: tuple[Grid, ...]
     tolerances: Sequence[float]
     guess: np.ndarray | None = None
-    every_grid: bool = True
+    returns_every_grid: bool = True
     edge_fields: Mapping[str, np.ndarray] | None = None
 
     def __len__(self) -> int:
@@ -227,10 +232,10 @@ class Batch:
 @lru_cache(maxsize=256)
 def _workspace_size(grid: Grid, terms: Terms, flow_terms: int, *, single: bool) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
-    most, fields = _most_krylov(grid, terms), unknown_fields(terms)
-    own = 2 * flow_terms + 3 + own_fields(compiled_terms(terms), single=single)
+    most, fields = _max_krylov_iterations(grid, terms), unknown_field_count(terms)
+    own = 2 * flow_terms + 3 + work_field_count(compiled_terms(terms), single=single)
     linear = 3 * flow_terms + 10 + (most + 1) * fields
-    matrices = (3 + 6 * with_velocities(terms)) * (grid.nx**2 + grid.ny**2 + grid.nt**2)
+    matrices = (3 + 6 * have_velocities(terms)) * (grid.nx**2 + grid.ny**2 + grid.nt**2)
     if grid.outline:
         matrices += 2 * grid.nx * grid.ny * max(grid.nx, grid.ny) + 32
     small = (most + 4) * (most + 1) + grid.nx * grid.ny
@@ -246,7 +251,7 @@ def solve_batch(
     guess: np.ndarray | None = None,
     edge: Mapping[str, np.ndarray] | None = None,
     terms: Terms | None = None,
-    most_newton: int = MOST_NEWTON,
+    most_newton: int = MAX_NEWTON_STEPS,
 ) -> States:
     """The periodic states of scenes of one pad shape and like terms on one grid.
 
@@ -259,7 +264,7 @@ def solve_batch(
         ValueError: for scenes of unlike terms.
     """
     scenes = Scenes.of(scenes)
-    terms = terms_of_all(scenes) if terms is None else terms
+    terms = common_terms(scenes) if terms is None else terms
     if edge is not None:
         terms = (EdgePressure(), *terms)
     rows = np.arange(len(scenes))
@@ -298,10 +303,10 @@ class Launch:
 
     def states(self, device: Device) -> list[list[States]]:
         """Wait for the device; the states of each batch on each of its grids."""
-        device.fetch(self.results, self.buffer, after=self.done)
-        numbers = RESULT_ROW.itemsize // 8
+        device.fetch_buffer(self.results, self.buffer, after=self.done)
+        numbers = RESULT_DTYPE.itemsize // 8
         rows_of_results = (
-            self.results[: len(self.rows) * numbers].reshape(-1, numbers).view(RESULT_ROW)[:, 0]
+            self.results[: len(self.rows) * numbers].reshape(-1, numbers).view(RESULT_DTYPE)[:, 0]
         )
         states: list[list[States]] = []
         first = 0
@@ -319,30 +324,32 @@ class Launch:
 
 
 @lru_cache(maxsize=64)
-def in_single(terms: Terms) -> bool:
+def in_single_precision(terms: Terms) -> bool:
     """Return whether GMRES works in single precision.
 
     Residual and state are double, so that only its steps are rounded. Most terms' own lines in the
     linear system are written for doubles.
     """
-    return all(term.IN_SINGLE or "response" not in term.HOOKS for term in terms)
+    return all(term.IN_SINGLE_PRECISION or "response" not in term.KERNEL_HOOKS for term in terms)
 
 
-def program_of(terms: Terms) -> tuple[Terms, bool]:
+def program_terms(terms: Terms) -> tuple[Terms, bool]:
     """Return the terms that a program has which solves films of some terms, and if in single."""
-    return compiled_terms(terms), in_single(terms)
+    return compiled_terms(terms), in_single_precision(terms)
 
 
 @lru_cache(maxsize=64)
-def sources_of(terms: Terms, *, single: bool) -> tuple[str, ...]:
+def program_sources(terms: Terms, *, single: bool) -> tuple[str, ...]:
     """Files that a program of some terms is made of, in order."""
-    own = [term.OVER_PERIOD for term in terms if term.OVER_PERIOD]
+    own = [term.KERNEL_FILE for term in terms if term.KERNEL_FILE]
     vectors = ["vectors.cl"] * (2 if single else 1)
     grid = ["linear_algebra.cl", *vectors, "periodic/grid_over_period.cl"]
     return (*grid, *own, "periodic/film_over_period.cl", "krylov.cl", "periodic/periodic.cl")
 
 
-def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_NEWTON) -> Launch:
+def launch(
+    batches: Sequence[Batch], *, device: Device, most_newton: int = MAX_NEWTON_STEPS
+) -> Launch:
     """Let the device solve batches of one program; each scene is solved on its own.
 
     All of a scene's grids come in one launch, for the way to the device and back costs as much as
@@ -356,18 +363,18 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
     """
     device.check_process()
     terms = batches[0].terms
-    if device.loops_over_items and own_fields(terms):
+    if device.loops_over_items and work_field_count(terms):
         raise InputError(
             f"PoCL may compile {' and '.join(term.label for term in terms)} for work-groups of "
             f"{device.work_items} items for many minutes: take one item, as a processor is given "
             "where none are asked for"
         )
-    launched = _prepared(batches, device)
-    compiled, single = program_of(terms)
+    launched = _packed_launch(batches, device)
+    compiled, single = program_terms(terms)
     periodic_state = kernel(
         device,
         "periodic_state",
-        sources=sources_of(compiled, single=single),
+        sources=program_sources(compiled, single=single),
         header=_program_header(compiled, launched.row_dtype, single=single),
     )
     (flow_terms,) = launched.row_dtype["flow"].shape
@@ -379,18 +386,18 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
     workspace_size = -(-max(sizes) // 8) * 8
     scenes = len(launched.first_rows) - 1
     groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
-    launched.buffer = device.shared(launched.results)
+    launched.buffer = device.shared_buffer(launched.results)
     launched.done = run_kernel(
         device,
         periodic_state,
         np.int32(scenes),
         np.int32(most_newton),
-        device.sent(launched.first_rows),
-        device.sent(launched.rows),
-        device.shared(launched.values),
+        device.copied_to_buffer(launched.first_rows),
+        device.copied_to_buffer(launched.rows),
+        device.shared_buffer(launched.values),
         launched.buffer,
-        device.sent(np.zeros(1, dtype=np.int32)),
-        device.room(workspace_size * groups),
+        device.copied_to_buffer(np.zeros(1, dtype=np.int32)),
+        device.workspace_buffer(workspace_size * groups),
         np.uint64(workspace_size),
         cl.LocalMemory(8 * device.work_items),
         groups=groups,
@@ -399,24 +406,27 @@ def launch(batches: Sequence[Batch], *, device: Device, most_newton: int = MOST_
     return launched
 
 
-def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
+def _packed_launch(batches: Sequence[Batch], device: Device) -> Launch:
     """The batches' arrays behind each other, and where each scene's parts lie in them."""
     stages = [len(batch.grids) for batch in batches for _ in range(len(batch.scenes))]
     begins = np.array([0, *accumulate(stages)], dtype=np.int32)
-    end = -(-int(begins[-1]) * RESULT_ROW.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
+    end = -(-int(begins[-1]) * RESULT_DTYPE.itemsize // ALIGNMENT_BYTES) * ALIGNMENT_BYTES // 8
     spans, rows, parts, size = [], [], [], 0
     for batch in batches:
-        of_batch, end = _spans(batch, end)
+        of_batch, end = _result_spans(batch, end)
         compiled = compiled_terms(batch.terms)
-        numbers = numbers_table(batch.scenes, batch.terms)
+        numbers = equation_numbers_table(batch.scenes, batch.terms)
         columns = [
-            (tuple(name for term in compiled for name in term.OPERATORS), np.array(ABSENT_INDEX)),
+            (
+                tuple(name for term in compiled for name in term.OPERATOR_NAMES),
+                np.array(ABSENT_INDEX),
+            ),
             _grid_sizes(batch.grids, batch.terms, batch.guess is not None),
         ]
         for name in ("means", "state"):
             behind = np.multiply.outer(np.arange(len(batch)), of_batch[f"{name}_size"])
             columns.append(((name,), (of_batch[name] + behind)[..., None]))
-        for items, which in _arrays(batch, numbers):
+        for items, which in _arrays_of_batch(batch, numbers):
             begin = items.starts + size
             if which is not None:
                 begin = begin + (which * items.values.shape[1])[:, None, None]
@@ -425,7 +435,7 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
             size += items.values.size
         # A mass error w moves the pressure by w/H.
         tolerance = np.multiply.outer(batch.scenes.narrowest, batch.tolerances)
-        numbers = with_absent(numbers, compiled)
+        numbers = with_absent_numbers(numbers, compiled)
         kind, table = rows_of(columns, numbers=numbers, tolerance=tolerance)
         spans.append(of_batch)
         rows.append(table)
@@ -440,14 +450,14 @@ def _prepared(batches: Sequence[Batch], device: Device) -> Launch:
     return Launch(batches, begins, kind, table, values, results, spans, arrays)
 
 
-def _spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
+def _result_spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
     """The spans of a batch whose results begin at some place, and where they end."""
     spans = []
     for stage, grid in enumerate(batch.grids):
         # A first guess lies where the state comes back.
         guess = stage == 0 and batch.guess is not None
-        returns = batch.every_grid or guess or grid is batch.grids[-1]
-        means, state = grid.nx * grid.ny, unknown_fields(batch.terms) * grid.count * returns
+        returns = batch.returns_every_grid or guess or grid is batch.grids[-1]
+        means, state = grid.nx * grid.ny, unknown_field_count(batch.terms) * grid.count * returns
         # States begin where kernels can read four numbers at once.
         behind = -(-(end + len(batch.scenes) * means) // 4) * 4
         spans.append((end, means, behind if returns else ABSENT_INDEX, state))
@@ -455,13 +465,17 @@ def _spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
     return np.array(spans, dtype=SPAN_DTYPE), end
 
 
-def _arrays(batch: Batch, numbers: np.ndarray) -> Iterator[tuple[Packed, np.ndarray | None]]:
+def _arrays_of_batch(
+    batch: Batch, numbers: np.ndarray
+) -> Iterator[tuple[Packed, np.ndarray | None]]:
     """A batch's arrays on each grid, and which of them each scene has; None where all have one."""
     grids, terms, aspect = batch.grids, batch.terms, batch.aspect
-    yield _matrices(grids, terms, aspect), None
-    fields, at, means = profiles_at(batch.scenes, grids, terms)
+    yield _matrices_of_grids(grids, terms, aspect), None
+    fields, at, means = packed_profiles(batch.scenes, grids, terms)
     yield fields, at
-    yield modes_of(grids, aspect=aspect, numbers=numbers, motion=mean_motion(numbers, means))
+    yield time_modes_of_films(
+        grids, aspect=aspect, numbers=numbers, motion=mean_gap_motion(numbers, means)
+    )
     if batch.edge_fields is not None:
         yield packed([batch.edge_fields]), np.arange(len(batch.scenes))
     for term in terms:
@@ -471,7 +485,7 @@ def _arrays(batch: Batch, numbers: np.ndarray) -> Iterator[tuple[Packed, np.ndar
 
 
 @lru_cache(maxsize=64)
-def _matrices(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
+def _matrices_of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
     """The matrices of some grids, with those that carry a state to the next."""
     stages: list[dict[str, np.ndarray]] = []
     for coarse, grid in zip((None, *grids), grids, strict=False):
@@ -479,8 +493,8 @@ def _matrices(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
         matrices = {**carrying, **grid_matrices(grid, aspect=aspect, terms=terms)}
         stages.append({name: matrix[None] for name, matrix in matrices.items()})
     absent = [
-        *INTERPOLATION_NAMES,
-        *(name for term in compiled_terms(terms) for name in term.CARRYING_MATRICES),
+        *INTERPOLATION_MATRIX_NAMES,
+        *(name for term in compiled_terms(terms) for name in term.INTERPOLATION_MATRICES),
     ]
     return packed(stages, absent=absent)
 
@@ -490,20 +504,20 @@ def _program_header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
     """Return the definitions for the sources of a program of some terms."""
     (flow_terms,) = row["flow"].shape
     # Compilers unroll what they know.
-    known = flow_terms == 1 or not own_fields(terms)
+    known = flow_terms == 1 or not work_field_count(terms)
     return "\n".join(
         [
             f"#define FLOW_TERMS {flow_terms}",
             f"#define FLOW_TERMS_OF(film) {flow_terms if known else '((film)->row->flow_terms)'}",
-            f"#define AXES {axes_of(terms)}",
+            f"#define AXES {flow_axis_count(terms)}",
             f"#define ROW_PARTS {preconditioner_count(terms)}",
-            f"#define OWN_FIELDS {own_fields(terms, single=single)}",
+            f"#define OWN_FIELDS {work_field_count(terms, single=single)}",
             "#define SINGLE" if single else "",
             *(f"#define HAS_{term.NAME}" for term in terms),
             c_struct("Row", row),
-            c_struct("Said", RESULT_ROW),
-            f"enum {{ {', '.join(STATUS_OF_ENDING)} }};",
-            c_terms(terms),
+            c_struct("Said", RESULT_DTYPE),
+            f"enum {{ {', '.join(STATUS_OF_KERNEL_ENDING)} }};",
+            c_hook_calls(terms),
         ]
     )
 

@@ -9,59 +9,66 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from squeezefilm.film.scene import Rows
-from squeezefilm.parallel import progress_of
+from squeezefilm.parallel import report_progress
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import error_text, estimate
-from squeezefilm.reynolds.grid import Grid, iteration_flops
+from squeezefilm.reynolds.error_estimate import estimate_errors, too_large_error_text
+from squeezefilm.reynolds.grid import Grid, krylov_iteration_flops
 from squeezefilm.reynolds.periodic.launch import (
-    MOST_WORK,
-    STATUS_OF_ENDING,
+    MAX_OPERATIONS,
+    STATUS_OF_KERNEL_ENDING,
     STATUS_TEXTS,
     Batch,
     Launch,
     States,
     launch,
-    program_of,
+    program_terms,
 )
 from squeezefilm.reynolds.periodic.resolution import (
-    MOST_UNKNOWNS,
+    MAX_UNKNOWNS,
     finer_grid,
     first_grids,
-    least_ratio,
-    profile_ratio,
+    min_convergence_ratio,
+    profile_error_ratio,
 )
 from squeezefilm.reynolds.plan import Plan
-from squeezefilm.reynolds.terms import Terms, with_velocities
+from squeezefilm.reynolds.terms import Terms, have_velocities
 from squeezefilm.solution import Solutions
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
-START_TOLERANCE = 1e-2
+START_ITERATION_TOLERANCE = 1e-2
 # Share of the allowed error that the iteration may leave where the estimate counts it once; and of
 # that on grids that go on from a known state. And the share of films with inertia or heat, on all
 # grids: their last change is taken twice at least, with what two iterations left in it.
-ITERATION_FRACTION_OF_ONE = 0.5
-CONTINUATION_FACTOR = 0.04
-ITERATION_FRACTION_OF_VELOCITIES = 0.2
+ITERATION_ERROR_FRACTION = 0.5
+CONTINUED_ITERATION_FACTOR = 0.04
+VELOCITY_ITERATION_FRACTION = 0.2
 # And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
 # error alone.
-KEPT_STATE_ITERATION_FRACTION = 0.04
+KEPT_STATE_ITERATION_ERROR_FRACTION = 0.04
 # Launches under way at a time: the host looks at one while the device is at the other.
 LAUNCHES_IN_FLIGHT = 2
 # Scenes of a launch.
-LEAST_BATCH, MOST_BATCH = 16, 128
+MIN_SCENES_PER_LAUNCH, MAX_SCENES_PER_LAUNCH = 16, 128
 # States of one launch; more go into several.
-LAUNCH_BYTES = 256 * 2**20
+MAX_LAUNCH_STATE_BYTES = 256 * 2**20
 # Fields of a grid that a work-group needs at least, and the part of the device's memory, one in so
 # many, that they may take: devices give no more in one piece.
-LEAST_GRID_FIELDS = 36
-MEMORY_PARTS = 4
+MIN_FIELDS_PER_WORK_GROUP = 36
+DEVICE_MEMORY_DIVISOR = 4
 # Times that a scene is begun again on finer grids, as Newton's method fails on the finest.
-MOST_FAILURES = 3
+MAX_NEWTON_FAILURES = 3
 # Iterations that a state takes at least on a first grid.
-LEAST_ITERATIONS = 4
-OVER_LIMIT = STATUS_OF_ENDING["OVER_LIMIT"]
+MIN_FIRST_GRID_ITERATIONS = 4
+WORK_LIMIT_STATUS = STATUS_OF_KERNEL_ENDING["OVER_LIMIT"]
 # What becomes of a scene after a launch: its force is good, it goes on, or it ends without one.
-ACCEPTED, REFINED, BEGUN_AGAIN, NO_STATE, NEGATIVE, EXHAUSTED = range(6)
+(
+    OUTCOME_ACCEPTED,
+    OUTCOME_REFINED,
+    OUTCOME_RESTARTED,
+    OUTCOME_NO_STATE,
+    OUTCOME_NEGATIVE_PRESSURE,
+    OUTCOME_GRIDS_EXHAUSTED,
+) = range(6)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,17 +78,18 @@ class Refinement:
     Attributes:
         change: how the mean pressure changed last (error_estimate.py), (2, n).
         failures: times that Newton's method failed on the last grid.
-        waiting: batches that go on in one of the next launches, those that go together in a list.
+        queued_batches: batches that go on in one of the next launches, those that go together in a
+            list.
     """
 
     plan: Plan
     solutions: Solutions
     tolerance: float
-    capacity: float
+    max_unknowns: float
     keep_states: bool
     last_change: np.ndarray
     failures: np.ndarray
-    waiting: dict[object, list[Batch]] = field(default_factory=dict)
+    queued_batches: dict[object, list[Batch]] = field(default_factory=dict)
 
     def wait(
         self,
@@ -91,19 +99,27 @@ class Refinement:
         guess: np.ndarray | None = None,
     ) -> None:
         """Let scenes go through some grids, from rest or from a guess, with one of the launches."""
-        velocities = with_velocities(terms)
+        velocities = have_velocities(terms)
         left = self.tolerance
-        left *= ITERATION_FRACTION_OF_VELOCITIES if velocities else ITERATION_FRACTION_OF_ONE
-        left *= KEPT_STATE_ITERATION_FRACTION if self.keep_states else 1.0
-        tolerances = [max(left, START_TOLERANCE)] * (len(grids) - 2) + [left] * min(len(grids), 2)
+        left *= VELOCITY_ITERATION_FRACTION if velocities else ITERATION_ERROR_FRACTION
+        left *= KEPT_STATE_ITERATION_ERROR_FRACTION if self.keep_states else 1.0
+        tolerances = [max(left, START_ITERATION_TOLERANCE)] * (len(grids) - 2) + [left] * min(
+            len(grids), 2
+        )
         if guess is not None and not velocities:
             # So that the finer grid does not take the state over as it is.
-            tolerances = [CONTINUATION_FACTOR * left] * len(grids)
+            tolerances = [CONTINUED_ITERATION_FACTOR * left] * len(grids)
         batch = Batch(
-            self.plan.scenes, rows, terms, grids, tolerances, guess, every_grid=self.keep_states
+            self.plan.scenes,
+            rows,
+            terms,
+            grids,
+            tolerances,
+            guess,
+            returns_every_grid=self.keep_states,
         )
         key = grids, terms, batch.aspect, guess is None
-        self.waiting.setdefault(key, []).append(batch)
+        self.queued_batches.setdefault(key, []).append(batch)
 
     def next_launch(self, *, most: int) -> list[Batch]:
         """Batches of one program that fill a launch, those of the dearest grids first.
@@ -112,18 +128,20 @@ class Refinement:
         """
         chosen: list[Batch] = []
         scenes, size = 0, 0
-        for key in sorted(self.waiting, key=lambda key: -iteration_flops(key[0][-1])):  # type: ignore[index]
-            batch = Batch.joined(self.waiting[key])
+        for key in sorted(self.queued_batches, key=lambda key: -krylov_iteration_flops(key[0][-1])):  # type: ignore[index]
+            batch = Batch.joined(self.queued_batches[key])
             scene_bytes = 8 * sum([grid.count for grid in batch.grids])
-            room = max((LAUNCH_BYTES - size) // scene_bytes, 0 if chosen else 1)
+            room = max((MAX_LAUNCH_STATE_BYTES - size) // scene_bytes, 0 if chosen else 1)
             count = min(most - scenes, room, len(batch))
-            if count <= 0 or (chosen and program_of(batch.terms) != program_of(chosen[0].terms)):
+            if count <= 0 or (
+                chosen and program_terms(batch.terms) != program_terms(chosen[0].terms)
+            ):
                 continue
             if count < len(batch):
-                self.waiting[key] = [batch[count:]]
+                self.queued_batches[key] = [batch[count:]]
                 batch = batch[:count]
             else:
-                del self.waiting[key]
+                del self.queued_batches[key]
             chosen.append(batch)
             scenes += count
             size += scene_bytes * count
@@ -136,15 +154,15 @@ class Refinement:
         """
         rows, terms, grids, solutions = batch.rows, batch.terms, batch.grids, self.solutions
         at: Rows = slice(None) if batch.scenes is self.plan.scenes else rows
-        last, grid, finer = stages[-1], grids[-1], finer_grid(grids[-1], capacity=self.capacity)
+        last, grid, finer = stages[-1], grids[-1], finer_grid(grids[-1], capacity=self.max_unknowns)
         nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
-        error, allowed, change = estimate(
+        error, allowed, change = estimate_errors(
             last.results,
             self.last_change[:, at],
             scenes=batch.scenes,
             terms=terms,
-            of_profile=profile_ratio(self.plan, *nodes, tolerance=self.tolerance, rows=at),
-            least=least_ratio(batch.scenes),
+            of_profile=profile_error_ratio(self.plan, *nodes, tolerance=self.tolerance, rows=at),
+            least=min_convergence_ratio(batch.scenes),
             tolerance=self.tolerance,
         )
         if len(grids) == 1:  # a single grid tells no error
@@ -153,29 +171,33 @@ class Refinement:
             newton, krylov = states.results["newton_steps"], states.results["krylov_iterations"]
             solutions.newton_steps[at] += newton
             solutions.krylov_iterations[at] += krylov
-            solutions.work[at] += iteration_flops(states.grid, terms) * (newton + krylov)
+            solutions.work[at] += krylov_iteration_flops(states.grid, terms) * (newton + krylov)
         solutions.residual[at] = last.results["residual"]
         self.write_grid(at, grid)
 
         # A finer grid takes about as many iterations as the last one did.
-        next_work = iteration_flops(finer, terms) * (newton + krylov) if finer else 0.0
-        too_dear = solutions.work[at] + next_work > MOST_WORK
+        next_work = krylov_iteration_flops(finer, terms) * (newton + krylov) if finer else 0.0
+        too_dear = solutions.work[at] + next_work > MAX_OPERATIONS
         no_state = last.status != 0
         unknown = np.logical_or.reduce([states.status != 0 for states in stages[-2:]])
         negative = ~(last.results["lowest"] > 0)
-        outcome = np.where(error <= allowed, ACCEPTED, REFINED)
+        outcome = np.where(error <= allowed, OUTCOME_ACCEPTED, OUTCOME_REFINED)
         if unknown.any() or negative.any():
             # What no coarser grid describes, a finer one may.
             change[:, unknown], error[unknown | negative] = np.nan, np.inf
-            outcome[unknown | negative] = REFINED
+            outcome[unknown | negative] = OUTCOME_REFINED
             if finer is None:
-                outcome[negative] = NEGATIVE
-            outcome[no_state if finer else unknown] = NO_STATE
-            outcome[no_state & ~too_dear & self._can_begin_again(batch)] = BEGUN_AGAIN
-        outcome[(outcome == REFINED) & (True if finer is None else too_dear)] = EXHAUSTED
+                outcome[negative] = OUTCOME_NEGATIVE_PRESSURE
+            outcome[no_state if finer else unknown] = OUTCOME_NO_STATE
+            outcome[no_state & ~too_dear & self._can_restart_on_finer_grid(batch)] = (
+                OUTCOME_RESTARTED
+            )
+        outcome[(outcome == OUTCOME_REFINED) & (True if finer is None else too_dear)] = (
+            OUTCOME_GRIDS_EXHAUSTED
+        )
         self.last_change[:, at] = change
 
-        accepted = np.flatnonzero(outcome == ACCEPTED)
+        accepted = np.flatnonzero(outcome == OUTCOME_ACCEPTED)
         scale_n = batch.scenes.force_scale_n
         solutions.status[rows[accepted]] = "ok"
         solutions.force_n[rows[accepted]] = (last.results["mean"] * scale_n)[accepted]
@@ -185,23 +207,23 @@ class Refinement:
         if len(accepted) == len(rows):
             return len(rows)
 
-        begun_again = rows[outcome == BEGUN_AGAIN]
-        if finer and (finest := finer_grid(finer, capacity=self.capacity)) and len(begun_again):
+        begun_again = rows[outcome == OUTCOME_RESTARTED]
+        if finer and (finest := finer_grid(finer, capacity=self.max_unknowns)) and len(begun_again):
             self.failures[begun_again] += 1
             self.wait(begun_again, terms, (finer, finest))
-        refined = outcome == REFINED
+        refined = outcome == OUTCOME_REFINED
         if finer and refined.any():
             self.wait(rows[refined], terms, (grid, finer), last.unknowns[refined])
         self._write_reasons(batch, stages, outcome, error=error, allowed=allowed)
         return len(rows) - len(begun_again) - int(np.count_nonzero(refined))
 
-    def _can_begin_again(self, batch: Batch) -> np.ndarray | bool:
+    def _can_restart_on_finer_grid(self, batch: Batch) -> np.ndarray | bool:
         """Return which scenes without a state may be tried on finer grids, from rest."""
-        finer = finer_grid(batch.grids[-1], capacity=self.capacity)
-        finest = finer_grid(finer, capacity=self.capacity) if finer else None
-        if finest is None or with_velocities(batch.terms):
+        finer = finer_grid(batch.grids[-1], capacity=self.max_unknowns)
+        finest = finer_grid(finer, capacity=self.max_unknowns) if finer else None
+        if finest is None or have_velocities(batch.terms):
             return False
-        return self.failures[batch.rows] < MOST_FAILURES
+        return self.failures[batch.rows] < MAX_NEWTON_FAILURES
 
     def _write_reasons(
         self,
@@ -215,23 +237,26 @@ class Refinement:
         """Write why scenes end without a force."""
         rows, grid, status = batch.rows, batch.grids[-1], self.solutions.status
         for states in stages[-2:]:  # of two that failed the last one's reason counts
-            failed = (outcome == NO_STATE) & (states.status != 0)
+            failed = (outcome == OUTCOME_NO_STATE) & (states.status != 0)
             for k in np.flatnonzero(failed).tolist():
                 ending = STATUS_TEXTS[states.status[k]]
-                advice = fewer_operations(batch.terms) if ending == OVER_LIMIT else ""
+                advice = fewer_operations_hint(batch.terms) if ending == WORK_LIMIT_STATUS else ""
                 status[rows[k]] = f"{ending} ({_grid_text(states.grid)}){advice}"
         before = stages[-2:][0]
-        self.write_grid(rows[(outcome == NO_STATE) & (before.status != 0)], before.grid)
-        for row in rows[outcome == NEGATIVE]:
+        self.write_grid(rows[(outcome == OUTCOME_NO_STATE) & (before.status != 0)], before.grid)
+        for row in rows[outcome == OUTCOME_NEGATIVE_PRESSURE]:
             status[row] = (
                 f"not converged: the pressure is not positive everywhere ({_grid_text(grid)})"
             )
-        limit, advice = f"within {MOST_WORK:.0e} operations", fewer_operations(batch.terms)
-        if finer_grid(grid, capacity=self.capacity) is None:
+        limit, advice = (
+            f"within {MAX_OPERATIONS:.0e} operations",
+            fewer_operations_hint(batch.terms),
+        )
+        if finer_grid(grid, capacity=self.max_unknowns) is None:
             limit, advice = "on the finest grid", ""
         reason = f"not converged: tolerance not reached {limit} ({_grid_text(grid)})"
-        for k in np.flatnonzero(outcome == EXHAUSTED).tolist():
-            text = error_text(error[k], allowed=allowed[k], force=stages[-1].mean[k])
+        for k in np.flatnonzero(outcome == OUTCOME_GRIDS_EXHAUSTED).tolist():
+            text = too_large_error_text(error[k], allowed=allowed[k], force=stages[-1].mean[k])
             status[rows[k]] = f"{reason}: {text}{advice}"
 
     def write_grid(self, rows: Rows, grid: Grid) -> None:
@@ -258,27 +283,30 @@ def solve_periodic(
         plan=plan,
         solutions=solutions,
         tolerance=tolerance,
-        capacity=min(MOST_UNKNOWNS, device.memory_bytes // (8 * LEAST_GRID_FIELDS * MEMORY_PARTS)),
+        max_unknowns=min(
+            MAX_UNKNOWNS,
+            device.memory_bytes // (8 * MIN_FIELDS_PER_WORK_GROUP * DEVICE_MEMORY_DIVISOR),
+        ),
         keep_states=keep_states,
         last_change=np.full((2, len(plan.scenes)), np.nan),
         failures=np.zeros(len(plan.scenes), dtype=np.int64),
     )
-    room, count = refinement.capacity, int(np.count_nonzero(waiting))
+    room, count = refinement.max_unknowns, int(np.count_nonzero(waiting))
     for alike, terms, grids in first_grids(
         plan, rows, tolerance=tolerance, capacity=room, kept=keep_states
     ):
-        if LEAST_ITERATIONS * iteration_flops(grids[-1], terms) <= MOST_WORK:
+        if MIN_FIRST_GRID_ITERATIONS * krylov_iteration_flops(grids[-1], terms) <= MAX_OPERATIONS:
             refinement.wait(alike, terms, grids)
             continue
         refinement.write_grid(alike, grids[-1])
-        reason = f"{OVER_LIMIT} ({_grid_text(grids[-1])}){fewer_operations(terms)}"
+        reason = f"{WORK_LIMIT_STATUS} ({_grid_text(grids[-1])}){fewer_operations_hint(terms)}"
         solutions.status[alike] = reason
         report(len(alike))
-    size = min(max(-(-count // LAUNCHES_IN_FLIGHT), LEAST_BATCH), MOST_BATCH)
+    size = min(max(-(-count // LAUNCHES_IN_FLIGHT), MIN_SCENES_PER_LAUNCH), MAX_SCENES_PER_LAUNCH)
     flying: deque[Launch] = deque()
-    with progress_of(count, unit="scene", name="periodic states") as progress:
-        while refinement.waiting or flying:
-            while refinement.waiting and len(flying) < LAUNCHES_IN_FLIGHT:
+    with report_progress(count, unit="scene", name="periodic states") as progress:
+        while refinement.queued_batches or flying:
+            while refinement.queued_batches and len(flying) < LAUNCHES_IN_FLIGHT:
                 flying.append(launch(refinement.next_launch(most=size), device=device))
             landing = flying.popleft()
             progress.doing = _grid_text(landing.batches[0].grids[-1])
@@ -292,9 +320,9 @@ def solve_periodic(
             device.release(*landing.arrays)
 
 
-def fewer_operations(terms: Terms) -> str:
+def fewer_operations_hint(terms: Terms) -> str:
     """Return what lets a scene be solved with fewer operations, for the end of its status."""
-    dear = [term.label for term in terms if term.SPACE_PRODUCTS]
+    dear = [term.label for term in terms if term.SPACE_MATRIX_PRODUCTS]
     return f"; take a larger tolerance{' or no ' if dear else ''}{' and '.join(dear)}"
 
 

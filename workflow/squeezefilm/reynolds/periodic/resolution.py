@@ -15,37 +15,37 @@ import numpy as np
 
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.scene import MOST_CACHED, Film, Rows, Scenes, rows_by_value
+from squeezefilm.film.scene import MAX_CACHED_POSITIONS, Film, Rows, Scenes, rows_by_value
 from squeezefilm.reynolds.error_estimate import THIN_LAYER_RATIO
-from squeezefilm.reynolds.grid import MOST_NODES, Grid
+from squeezefilm.reynolds.grid import MAX_NODES_ACROSS, Grid
 from squeezefilm.reynolds.plan import Plan, plan_of
 from squeezefilm.reynolds.terms import (
     Terms,
+    equation_numbers,
+    have_velocities,
     is_radial,
     layer_stiffness_of,
-    numbers_of,
-    unknown_fields,
-    with_velocities,
+    unknown_field_count,
 )
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
-MOST_INSTANTS = 192
+MAX_INSTANTS = 192
 # Unknowns beyond which a scene takes minutes.
-MOST_UNKNOWNS = 5_000_000
-LEAST_INSTANTS = 8
+MAX_UNKNOWNS = 5_000_000
+MIN_INSTANTS = 8
 # Share of the tolerance that the first of two grids is to leave: with all of it, twice the change
 # to the second would be above the tolerance, and a third grid be needed.
-FIRST_GRID_FRACTION = 1 / 3
+FIRST_GRID_TOLERANCE_FRACTION = 1 / 3
 # The start grid's points per direction, as a share of the first grid's.
-START_GRID_FRACTION = 0.6
+START_GRID_POINTS_FRACTION = 0.6
 TIME_ERROR_FRACTION = 0.15
 # What the instants may leave of a force that is of second order in the amplitude, over its square:
 # a change of 1.3 ρ^nt/ε² was seen from 8 instants to 12 (ε 0.2–0.25, σ 700–2300).
-TIME_FORCE_FACTOR = 0.3
+TIME_ERROR_PER_FORCE = 0.3
 # Of which unknowns along an axis are multiples: kernels are fastest at four, two are the least.
-MULTIPLE_FAST, MULTIPLE_LEAST = 4, 2
+FAST_NODE_MULTIPLE, MIN_NODE_MULTIPLE = 4, 2
 # Share of the tolerance that a grid may miss of the profile without a look at how fast that falls.
-NEGLIGIBLE_MISSED = 0.1
+NEGLIGIBLE_PROFILE_ERROR = 0.1
 # A sliding surface makes a layer at the trailing edge, as thin as that of a squeeze number of so
 # many times (Λ/(1 − ε))² (fitted to pistons, Λ 46–250).
 SLIDING_LAYER_FACTOR = 24.0
@@ -55,20 +55,20 @@ INCOMPRESSIBLE_SIGMA = 10.0
 
 # A profile is seen by a grid that misses no more of it than this or the root of the tolerance: a
 # force is a mean, good to about the square of what the interpolant misses.
-LARGEST_MISSED_FRACTION = 1e-2
+MAX_PROFILE_ERROR = 1e-2
 # Tolerance below which a plain film's first grid is to leave less: there too many wanted a third.
-TIGHT_BELOW, TIGHT_GRID_FRACTION = 4e-7, 0.2
+TIGHT_TOLERANCE, TIGHT_GRID_TOLERANCE_FRACTION = 4e-7, 0.2
 # Above this errors may go up and down from grid to grid; below 1e4 none of 996 films was beyond its
 # estimate, but one at 9963 came to 0.9 of it.
 UNEVEN_SIGMA = 5e3
 # Above this at the narrowest place of a gap that is shaped at rest the first grid is for a layer as
 # thin again: 60 such films of a draw (1e-4) took half of the time, for fewer went on to more grids.
-THIN_SIGMA = 1e4
+NONUNIFORM_THIN_LAYER_SIGMA = 1e4
 # The most points along an axis, whole or folded, and instants, from which the next finer grid,
-# which tells the error, has room within MOST_NODES and MOST_INSTANTS.
-MOST_FIRST_NODES, MOST_FIRST_FOLDED, MOST_FIRST_INSTANTS = 268, 132, 160
+# which tells the error, has room within MAX_NODES_ACROSS and MAX_INSTANTS.
+MAX_FIRST_GRID_NODES, MAX_FIRST_GRID_FOLDED_NODES, MAX_FIRST_GRID_INSTANTS = 268, 132, 160
 # Stands for zero in a denominator.
-TINY = 1e-300
+TINY_DENOMINATOR = 1e-300
 
 
 def first_grids(
@@ -76,7 +76,7 @@ def first_grids(
     rows: Rows = slice(None),
     *,
     tolerance: float,
-    capacity: float = MOST_UNKNOWNS,
+    capacity: float = MAX_UNKNOWNS,
     kept: bool = False,
 ) -> Iterator[tuple[np.ndarray, Terms, tuple[Grid, ...]]]:
     """Scenes of like terms and pad shape, their terms, and the grids of their first launch.
@@ -91,13 +91,13 @@ def first_grids(
     """
     for kind, film, rows_of_group in _groups_of_equal_terms(plan, rows):
         terms, pad = plan.term_sets[kind], film.pad
-        outline = _outline_of(pad, terms)
-        part, step = FIRST_GRID_FRACTION, MULTIPLE_FAST
-        if pad.smooth_outline is None and not with_velocities(terms) and not kept:
+        outline = _outline_of_coordinates(pad, terms)
+        part, step = FIRST_GRID_TOLERANCE_FRACTION, FAST_NODE_MULTIPLE
+        if pad.smooth_outline is None and not have_velocities(terms) and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
-            part = 1.0 if tolerance > TIGHT_BELOW else TIGHT_GRID_FRACTION
-            step = MULTIPLE_LEAST
+            part = 1.0 if tolerance > TIGHT_TOLERANCE else TIGHT_GRID_TOLERANCE_FRACTION
+            step = MIN_NODE_MULTIPLE
         how: dict[str, Any] = {"tolerance": tolerance, "part_of_tolerance": part, "step": step}
         columns = _needed_points(plan, rows_of_group, film, **how)
         numbers = np.arange(len(plan.scenes))[rows_of_group]
@@ -107,27 +107,29 @@ def first_grids(
             yield numbers[rows_on_grids], terms, grids
 
 
-def _outline_of(pad: Pad, terms: Terms) -> Outline | None:
+def _outline_of_coordinates(pad: Pad, terms: Terms) -> Outline | None:
     """The outline in whose coordinates a film is solved; None in a rectangle's or on a radius."""
     return None if is_radial(terms) else pad.smooth_outline
 
 
-def missed_profile_fraction(tolerance: float) -> float:
+def allowed_profile_error(tolerance: float) -> float:
     """Largest fraction of a profile that a grid may leave unresolved, min(0.01, √tolerance)."""
-    return min(LARGEST_MISSED_FRACTION, sqrt(tolerance))
+    return min(MAX_PROFILE_ERROR, sqrt(tolerance))
 
 
 def nodes_for_profile(plan: Plan, *, tolerance: float) -> np.ndarray:
     """Least nodes along x and y that resolve the profile, (n, 2)."""
-    missed = missed_profile_fraction(tolerance)
-    return plan.cached("nodes", lambda missed: plan.samples(missed).nodes(missed), missed)
+    missed = allowed_profile_error(tolerance)
+    return plan.cached("nodes", lambda missed: plan.profile_samples(missed).nodes(missed), missed)
 
 
 def unresolved_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
     """Return the reasons for scenes whose profile no grid resolves, by row."""
-    share = missed_profile_fraction(tolerance)
-    missed = plan.samples(share).missed
-    most = np.where(plan.fold_x & plan.fold_y, 2 * MOST_FIRST_FOLDED, MOST_FIRST_NODES)
+    share = allowed_profile_error(tolerance)
+    missed = plan.profile_samples(share).interpolation_error
+    most = np.where(
+        plan.fold_x & plan.fold_y, 2 * MAX_FIRST_GRID_FOLDED_NODES, MAX_FIRST_GRID_NODES
+    )
     nodes = nodes_for_profile(plan, tolerance=tolerance).max(axis=1)
     rows = np.flatnonzero(~((missed <= share) & (nodes <= most))).tolist()
     return {row: _unresolved_reason(plan, row, float(missed[row]), share) for row in rows}
@@ -139,10 +141,10 @@ def _unresolved_reason(plan: Plan, row: int, missed: float, missed_fraction: flo
     ((_, sampled, _),) = plan_of(plan.scenes[row]).profiles
     pad = sampled.places.pad_profile.pad
     side_m = max(pad.length_x_m, pad.length_y_m)
-    apart_m = pi / 2 * side_m / (MOST_NODES + 1)
+    apart_m = pi / 2 * side_m / (MAX_NODES_ACROSS + 1)
     return (
-        f"the profile has a feature about {1e6 * sampled.feature_m():.2g} µm wide under "
-        f"the pad: the finest grid, {MOST_NODES} points across {1e3 * side_m:g} mm, up to "
+        f"the profile has a feature about {1e6 * sampled.narrowest_feature_m():.2g} µm wide under "
+        f"the pad: the finest grid, {MAX_NODES_ACROSS} points across {1e3 * side_m:g} mm, up to "
         f"{1e6 * apart_m:.2g} µm apart, does not resolve it to {missed_fraction:.1g} of the "
         "largest "
         "amplitude, as this tolerance needs"
@@ -175,44 +177,48 @@ def _needed_points(
     Time: powers of 1/(1 + ε sin T) have harmonics that decay like ρ^k, ρ = ε / (1 + √(1 − ε²)).
 
     Args:
-        step: of which unknowns along the axes are multiples, MULTIPLE_FAST or MULTIPLE_LEAST.
+        step: of which unknowns along the axes are multiples, FAST_NODE_MULTIPLE or
+            MIN_NODE_MULTIPLE.
     """
     scenes = plan.scenes if isinstance(rows, slice) else plan.scenes[rows]
     terms = plan.term_sets[plan.term_set[rows][0]]
     digits = log10(1 / (part_of_tolerance * tolerance))
-    outline, aspect = _outline_of(film.pad, terms), film.pad.length_y_m / film.pad.length_x_m
+    outline, aspect = (
+        _outline_of_coordinates(film.pad, terms),
+        film.pad.length_y_m / film.pad.length_x_m,
+    )
     nodes = nodes_for_profile(plan, tolerance=tolerance)[rows].T
-    curvature = plan.samples(missed_profile_fraction(tolerance)).curvature[rows].T
+    curvature = plan.profile_samples(allowed_profile_error(tolerance)).curvature[rows].T
     folds = np.array([plan.fold_x[rows], plan.fold_y[rows]])
-    epsilon, sigma, bend = gap_numbers(scenes)
-    moving = np.maximum(epsilon, TINY)  # of films at rest, too, there are logarithms
+    epsilon, sigma, bend = gap_indicators(scenes)
+    moving = np.maximum(epsilon, TINY_DENOMINATOR)  # of films at rest, too, there are logarithms
     ratio = moving / (1 + np.sqrt(1 - epsilon**2))
-    left = np.minimum(log(TIME_ERROR_FRACTION / 3), log(TIME_FORCE_FACTOR) + 2 * np.log(moving))
-    instants = np.where(epsilon > 0, (log(tolerance) + left) / np.log(ratio), LEAST_INSTANTS)
+    left = np.minimum(log(TIME_ERROR_FRACTION / 3), log(TIME_ERROR_PER_FORCE) + 2 * np.log(moving))
+    instants = np.where(epsilon > 0, (log(tolerance) + left) / np.log(ratio), MIN_INSTANTS)
     instants += 4.0 * (sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE_SIGMA)
     slow: Any = 1.0
     layers = sigma
     layer_x = layers
     if terms:  # without, no layer but the squeezing's counts, and nothing lags
-        if unknown_fields(terms) > 1:
-            slow = np.minimum(numbers_of(scenes, terms)["slow"], 1.0)
+        if unknown_field_count(terms) > 1:
+            slow = np.minimum(equation_numbers(scenes, terms)["slow"], 1.0)
         layers = layer_stiffness_of(scenes, terms, sigma=sigma) * sigma
         sliding = (np.abs(scenes.bearing_number) / (1 - epsilon)) ** 2
         layer_x = np.maximum(layers, SLIDING_LAYER_FACTOR * sliding)
     nt = np.minimum(
-        4 * np.ceil(np.maximum(LEAST_INSTANTS / slow, instants) / 4), MOST_FIRST_INSTANTS
+        4 * np.ceil(np.maximum(MIN_INSTANTS / slow, instants) / 4), MAX_FIRST_GRID_INSTANTS
     )
     layer_y, fold_factors = layers * aspect**2, 1.0 + folds
     # Zeros of the gap at its narrowest, 1 − ε + ε c X²/2, off the middle.
-    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), TINY))
+    width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), TINY_DENOMINATOR))
     if outline:
-        layer_x = layer_x * outline.edge_stretch[1] * (2 * outline.edge_mu) ** 2
+        layer_x = layer_x * outline.edge_area_ratio_range[1] * (2 * outline.edge_mu) ** 2
         along, across = folds if outline.turned else folds[::-1]
         fold_factors = np.array([1.0 + along, (1 + along) * (1 + across)])
     wanted = _nodes_for_layers(digits, sigma=np.array([layer_x, layer_y]), width=width)
     if outline:
         wanted[1] = _nodes_around(digits, width[1], outline)
-    most = np.where(fold_factors > 1, MOST_FIRST_FOLDED, MOST_FIRST_NODES)
+    most = np.where(fold_factors > 1, MAX_FIRST_GRID_FOLDED_NODES, MAX_FIRST_GRID_NODES)
     unknowns = np.minimum(step * np.ceil(np.maximum(nodes, wanted) / fold_factors / step), most)
     if is_radial(terms):
         unknowns[1] = 1  # which stands for all around
@@ -257,7 +263,7 @@ def _grid_sequence(
         if not first.has_nodes(*nodes):
             break
         nx, ny = (step * (5 * points // (6 * step)) for points in (first.nx, first.ny))
-        first = _resized(first, nx=nx, ny=ny, nt=max(LEAST_INSTANTS, 4 * (5 * first.nt // 24)))
+        first = _resized_grid(first, nx=nx, ny=ny, nt=max(MIN_INSTANTS, 4 * (5 * first.nt // 24)))
     start = start_grid(first, step)
     # What does not see the profile is no guess.
     starts = [start] if start and start.has_nodes(*nodes) else []
@@ -269,25 +275,25 @@ def start_grid(grid: Grid, step: int) -> Grid | None:
 
     A solve from rest takes about twice the iterations of one from a guess.
     """
-    start = _resized(
+    start = _resized_grid(
         grid,
         nx=_points_to_start(grid.nx, step, fold=grid.fold_x),
         ny=_points_to_start(grid.ny, step, fold=grid.fold_y),
-        nt=max(LEAST_INSTANTS, 4 * ceil(START_GRID_FRACTION * grid.nt / 4)),
+        nt=max(MIN_INSTANTS, 4 * ceil(START_GRID_POINTS_FRACTION * grid.nt / 4)),
     )
     return start if start.count < 0.5 * grid.count else None
 
 
-def _resized(grid: Grid, *, nx: int, ny: int, nt: int) -> Grid:
+def _resized_grid(grid: Grid, *, nx: int, ny: int, nt: int) -> Grid:
     """A grid with other numbers of points; that along a radius keeps its one unknown around."""
     return replace(grid, nx=nx, ny=1 if grid.radial else ny, nt=nt)
 
 
 def _points_to_start(points: int, step: int, *, fold: bool) -> int:
-    return max(4 if fold else 8, step * round(START_GRID_FRACTION * points / step))
+    return max(4 if fold else 8, step * round(START_GRID_POINTS_FRACTION * points / step))
 
 
-def profile_ratio(
+def profile_error_ratio(
     plan: Plan,
     coarse: tuple[int, int],
     fine: tuple[int, int],
@@ -304,44 +310,49 @@ def profile_ratio(
         rows: which of the scenes; default all.
     """
 
-    def fall(rows: Rows) -> np.ndarray:
-        least = NEGLIGIBLE_MISSED * tolerance
-        samples = plan.samples(least)
-        missed, before = samples.missed_by(fine, rows), samples.missed_by(coarse, rows)
+    def error_ratio_of_rows(rows: Rows) -> np.ndarray:
+        least = NEGLIGIBLE_PROFILE_ERROR * tolerance
+        samples = plan.profile_samples(least)
+        missed, before = (
+            samples.interpolation_error_with(fine, rows),
+            samples.interpolation_error_with(coarse, rows),
+        )
         falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
         return np.asarray(falls.max(axis=1))
 
-    if len(plan.scenes) > MOST_CACHED:
-        return fall(rows)
-    return plan.cached("fall", lambda *_: fall(slice(None)), coarse, fine, tolerance)[rows]
+    if len(plan.scenes) > MAX_CACHED_POSITIONS:
+        return error_ratio_of_rows(rows)
+    return plan.cached(
+        "fall", lambda *_: error_ratio_of_rows(slice(None)), coarse, fine, tolerance
+    )[rows]
 
 
 @lru_cache(maxsize=4096)
 def finer_grid(
-    grid: Grid, *, capacity: float = MOST_UNKNOWNS, step: int = MULTIPLE_FAST
+    grid: Grid, *, capacity: float = MAX_UNKNOWNS, step: int = FAST_NODE_MULTIPLE
 ) -> Grid | None:
     """The next grid of a scene's sequence, finer in every direction; None past the limits.
 
     In every direction, because the difference between two grids shows no error that both share.
     """
-    finer = _resized(
+    finer = _resized_grid(
         grid,
         nx=grid.nx + _nodes_to_add(grid.nx, step, fold=grid.fold_x),
         ny=grid.ny + _nodes_to_add(grid.ny, step, fold=grid.fold_y),
-        nt=grid.nt + _nodes_to_add(grid.nt, MULTIPLE_FAST, fold=False),
+        nt=grid.nt + _nodes_to_add(grid.nt, FAST_NODE_MULTIPLE, fold=False),
     )
-    if max(finer.x.full_points, finer.y.full_points) > MOST_NODES or finer.nt > MOST_INSTANTS:
+    if max(finer.x.full_points, finer.y.full_points) > MAX_NODES_ACROSS or finer.nt > MAX_INSTANTS:
         return None
     return finer if finer.count <= capacity else None
 
 
 def _nodes_to_add(points: int, step: int, *, fold: bool) -> int:
     """About a fifth of the points, in steps; never less than four nodes across the pad."""
-    least = 1 if fold else MULTIPLE_FAST // step
+    least = 1 if fold else FAST_NODE_MULTIPLE // step
     return step * max(least, round(points / 5 / step))
 
 
-def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | float]:
+def gap_indicators(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | float]:
     """Scenes' gaps as first grids go by them: ε, σ, and what the gap adds to a profile's curvature.
 
     A gap that is shaped at rest is as hard as its narrowest place, and as closed, everywhere.
@@ -350,14 +361,20 @@ def gap_numbers(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | fl
         return scenes.epsilon, scenes.sigma, 0.0
     flat = scenes.column(lambda film: film.pad.gap.flat)
     crown_m = scenes.column(lambda film: abs(film.pad.gap.crown_m))
-    bend = 8 * crown_m / scenes.h0_m / np.maximum(scenes.epsilon, TINY) * (scenes.epsilon > 0)
+    bend = (
+        8
+        * crown_m
+        / scenes.h0_m
+        / np.maximum(scenes.epsilon, TINY_DENOMINATOR)
+        * (scenes.epsilon > 0)
+    )
     least = np.minimum(1.0, scenes.static_gap_range[0])
     sigma = scenes.sigma / least**2
-    sigma = np.where(sigma < THIN_SIGMA, sigma, sigma / least**2)
+    sigma = np.where(sigma < NONUNIFORM_THIN_LAYER_SIGMA, sigma, sigma / least**2)
     return np.where(flat, scenes.epsilon, scenes.closure), sigma, bend
 
 
-def least_ratio(scenes: Scenes) -> np.ndarray:
+def min_convergence_ratio(scenes: Scenes) -> np.ndarray:
     """Lower bounds on the convergence ratios from grid to grid, (n,)."""
-    _, sigma, _ = gap_numbers(scenes)
+    _, sigma, _ = gap_indicators(scenes)
     return THIN_LAYER_RATIO * (sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA)

@@ -28,18 +28,18 @@ from squeezefilm.reynolds.spectral import period
 
 # Steps in which variation and lag are told apart, which only decide the iterations' number, and the
 # share of slow harmonics.
-VARIATION_STEP = 0.05
-MOST_VARIATION = round(1 / VARIATION_STEP) - 1
-LAGS_PER_DECADE = 20
-SLOW_FRACTION_STEP = 1 / 32
+GAP_VARIATION_STEP = 0.05
+MAX_GAP_VARIATION_INDEX = round(1 / GAP_VARIATION_STEP) - 1
+LAG_STEPS_PER_DECADE = 20
+SLOW_HARMONICS_FRACTION_STEP = 1 / 32
 WARMING_STEP = 1 / 64
 # What a film without inertia, or that stays at ambient temperature, has for a lag.
-LEAST_LAG = 1e-12
+MIN_PHASE_LAG = 1e-12
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.
-LEAST_SPEED = 1e-3
+MIN_PAIR_SPEED = 1e-3
 
 
-def modes_of(
+def time_modes_of_films(
     grids: Sequence[Grid], *, aspect: float, numbers: np.ndarray, motion: np.ndarray
 ) -> tuple[Packed, np.ndarray]:
     """The modes of films on each of some grids, each kind's once, and which kind each film has.
@@ -48,17 +48,17 @@ def modes_of(
         numbers: of the films' equation, a row for each.
         motion: factors of sin T and cos T of their mean gaps, both together below 1, (2, films).
     """
-    steps = [*np.rint(motion / VARIATION_STEP)]
+    steps = [*np.rint(motion / GAP_VARIATION_STEP)]
     if numbers["lag"].any() or numbers["warming"].any():
         lags, warming_lags = (
-            np.rint(LAGS_PER_DECADE * np.log10(np.maximum(numbers[name], LEAST_LAG)))
+            np.rint(LAG_STEPS_PER_DECADE * np.log10(np.maximum(numbers[name], MIN_PHASE_LAG)))
             for name in ("lag", "warming_lag")
         )
         warming = np.rint(numbers["warming"] / WARMING_STEP)
         across = [max(grid.nodes_per_length(aspect)) for grid in grids]
         waves = np.multiply.outer(across, numbers["waves_per_node"])
         half = np.array([[grid.nt / 2] for grid in grids])
-        slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_FRACTION_STEP)
+        slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_HARMONICS_FRACTION_STEP)
         slows = np.maximum(slows, 1.0)
         steps += [lags, warming, warming_lags, *slows]
     first, which = distinct_rows(*steps)
@@ -79,8 +79,10 @@ def _packed_modes(
 ) -> Packed:
     """The arrays of one kind of films, on each of some grids."""
     stages = []
-    shrunk = MOST_VARIATION / max(hypot(variation, lagging), MOST_VARIATION)
-    for nt, slow in zip(instants, slows or [1 / SLOW_FRACTION_STEP] * len(instants), strict=True):
+    shrunk = MAX_GAP_VARIATION_INDEX / max(hypot(variation, lagging), MAX_GAP_VARIATION_INDEX)
+    for nt, slow in zip(
+        instants, slows or [1 / SLOW_HARMONICS_FRACTION_STEP] * len(instants), strict=True
+    ):
         numbers = lag, warming, warming_lag, slow
         arrays = _time_modes(nt, shrunk * variation, shrunk * lagging, *numbers)
         stages.append({name: array[None] for name, array in arrays.items()})
@@ -114,15 +116,17 @@ def _time_modes(
     """
     rate, nodes = period(instants).derivative, period(instants).nodes
     mean_gap = (
-        1 + VARIATION_STEP * variation * np.sin(nodes) + VARIATION_STEP * lagging * np.cos(nodes)
+        1
+        + GAP_VARIATION_STEP * variation * np.sin(nodes)
+        + GAP_VARIATION_STEP * lagging * np.cos(nodes)
     )
-    inert = period(instants).harmonics_up_to(SLOW_FRACTION_STEP * slow * instants / 2)
-    lag_of_rate = 10 ** (lag / LAGS_PER_DECADE) * inert
+    inert = period(instants).harmonics_up_to(SLOW_HARMONICS_FRACTION_STEP * slow * instants / 2)
+    lag_of_rate = 10 ** (lag / LAG_STEPS_PER_DECADE) * inert
     resistance = np.diag(1 / mean_gap) + lag_of_rate @ rate
-    warm_rate = 10 ** (warming_lag / LAGS_PER_DECADE) * rate
+    warm_rate = 10 ** (warming_lag / LAG_STEPS_PER_DECADE) * rate
     warms = np.linalg.solve(np.eye(instants) + warm_rate, WARMING_STEP * warming * warm_rate)
     mass_rate = rate - rate @ warms
-    pairs = _pairs(resistance @ mass_rate, mean_gap)
+    pairs = _real_mode_pairs(resistance @ mass_rate, mean_gap)
     if pairs is None:
         return _time_modes(instants, 0.0, 0.0, lag, warming, warming_lag, slow)
     vectors, decays, speeds = pairs
@@ -140,7 +144,7 @@ def _time_modes(
     }
 
 
-def _pairs(operator: np.ndarray, mean_gap: np.ndarray) -> tuple[np.ndarray, ...] | None:
+def _real_mode_pairs(operator: np.ndarray, mean_gap: np.ndarray) -> tuple[np.ndarray, ...] | None:
     """Real vectors (nt, nt), decays and speeds (nt / 2,) of A d/dT (1 − B), None if not in pairs.
 
     Its null space is what d/dT maps to zero: the constant and the last cosine.
@@ -149,7 +153,7 @@ def _pairs(operator: np.ndarray, mean_gap: np.ndarray) -> tuple[np.ndarray, ...]
     half = instants // 2
     values, complex_vectors = np.linalg.eig(operator)
     turning = np.argsort(values.imag)[half + 1 :]
-    if not (values[turning].imag > LEAST_SPEED).all():
+    if not (values[turning].imag > MIN_PAIR_SPEED).all():
         return None
     vectors = np.empty((instants, instants))
     vectors[:, 0] = 1.0

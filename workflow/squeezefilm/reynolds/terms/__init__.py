@@ -20,12 +20,12 @@ from squeezefilm.reynolds.terms.inertia import Inertia, VelocityTerm
 from squeezefilm.reynolds.terms.outline import RadialFilm, SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import FlowFactor, Rarefaction
-from squeezefilm.reynolds.terms.term import HOOKS, AbsentTerm, Arrays, Numbers, Term
+from squeezefilm.reynolds.terms.term import KERNEL_HOOKS, AbsentTerm, Arrays, Numbers, Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 
-__all__ = ["HOOKS", "TERMS", "AbsentTerm", "Arrays", "Term", "Terms"]
+__all__ = ["KERNEL_HOOKS", "TERM_CLASSES", "AbsentTerm", "Arrays", "Term", "Terms"]
 
-TERMS: tuple[type[Term], ...] = (
+TERM_CLASSES: tuple[type[Term], ...] = (
     NonuniformGap,
     SmoothOutline,
     Bearing,
@@ -38,20 +38,23 @@ Terms = tuple[Term, ...]
 
 # Terms that a program has which is compiled for others, and that a film's row turns on: the budget
 # of one force solves films with and without each of them, and a program takes seconds to compile.
-SWITCHED_ALWAYS: Terms = (EdgePressure(),)
-SWITCHED_VELOCITIES: Terms = (Rarefaction("slip"), Inertia(), Thermal())
-SWITCHED_RAREFIED: Terms = (FlowFactor("fukui-kaneko"),)
-SWITCHED_TERMS = tuple(
-    [term.NAME for term in (*SWITCHED_ALWAYS, *SWITCHED_VELOCITIES, *SWITCHED_RAREFIED)]
+ALWAYS_COMPILED_TERMS: Terms = (EdgePressure(),)
+SWITCHABLE_VELOCITY_TERMS: Terms = (Rarefaction("slip"), Inertia(), Thermal())
+SWITCHABLE_RAREFIED_TERMS: Terms = (FlowFactor("fukui-kaneko"),)
+SWITCHABLE_TERM_NAMES = tuple(
+    [
+        term.NAME
+        for term in (*ALWAYS_COMPILED_TERMS, *SWITCHABLE_VELOCITY_TERMS, *SWITCHABLE_RAREFIED_TERMS)
+    ]
 )
 
 
 def terms_of(scene: Scene) -> Terms:
     """The terms that a scene has."""
-    return tuple(term for kind in TERMS if (term := kind.of(scene)) is not None)
+    return tuple(term for kind in TERM_CLASSES if (term := kind.of(scene)) is not None)
 
 
-def label_of(terms: Terms) -> str:
+def terms_label(terms: Terms) -> str:
     """Return the terms of an equation as tables show them."""
     return "; ".join(["squeeze", *(term.label for term in terms)])
 
@@ -59,25 +62,25 @@ def label_of(terms: Terms) -> str:
 @lru_cache(maxsize=64)
 def compiled_terms(terms: Terms) -> Terms:
     """Return the terms of the program that solves films of some terms, and others."""
-    more = SWITCHED_ALWAYS
+    more = ALWAYS_COMPILED_TERMS
     if any(isinstance(term, VelocityTerm) for term in terms):
-        more += SWITCHED_VELOCITIES
+        more += SWITCHABLE_VELOCITY_TERMS
     elif any(isinstance(term, Rarefaction) for term in terms):
-        more += SWITCHED_RAREFIED
+        more += SWITCHABLE_RAREFIED_TERMS
     compiled = {term.NAME: term for term in (*more, *terms)}
     if FlowFactor.NAME in compiled:  # its program has first-order slip too
         compiled.pop(Rarefaction.NAME, None)
-    return tuple(sorted(compiled.values(), key=_order_of))
+    return tuple(sorted(compiled.values(), key=_term_order))
 
 
-def _order_of(term: Term) -> int:
-    return next((place for place, kind in enumerate(TERMS) if isinstance(term, kind)), -1)
+def _term_order(term: Term) -> int:
+    return next((place for place, kind in enumerate(TERM_CLASSES) if isinstance(term, kind)), -1)
 
 
 def absent_terms(terms: Terms) -> tuple[AbsentTerm, ...]:
     """Return the terms that are not among ``terms``, with the reasons."""
-    absent = [kind for kind in TERMS if not any(isinstance(term, kind) for term in terms)]
-    return tuple(kind.ABSENT for kind in absent if kind.ABSENT)
+    absent = [kind for kind in TERM_CLASSES if not any(isinstance(term, kind) for term in terms)]
+    return tuple(kind.ABSENT_TERM for kind in absent if kind.ABSENT_TERM)
 
 
 def distinct_terms(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
@@ -97,7 +100,7 @@ def distinct_terms(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
     return list(known), which
 
 
-def numbers_of(scene: Scenes, terms: Terms) -> Numbers:
+def equation_numbers(scene: Scenes, terms: Terms) -> Numbers:
     """The dimensionless numbers of scenes' equation; ``flow``, unless a term says it: H³ρ ∇P.
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
@@ -126,7 +129,7 @@ def layer_stiffness_of(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> A
 
 
 @lru_cache(maxsize=64)
-def axes_of(terms: Terms) -> int:
+def flow_axis_count(terms: Terms) -> int:
     """Axes along which gas flows: one in a film without angle, else two."""
     return 1 if is_radial(terms) else 2
 
@@ -137,18 +140,18 @@ def is_radial(terms: Terms) -> bool:
 
 
 @lru_cache(maxsize=64)
-def with_velocities(terms: Terms) -> bool:
+def have_velocities(terms: Terms) -> bool:
     """Return whether some terms are of the gas' velocities."""
     return any(isinstance(term, VelocityTerm) for term in terms)
 
 
 @lru_cache(maxsize=64)
-def unknown_fields(terms: Terms) -> int:
+def unknown_field_count(terms: Terms) -> int:
     """Return the number of fields that the periodic state solves for."""
-    return 1 + axes_of(terms) * sum(term.VELOCITIES for term in terms)
+    return 1 + flow_axis_count(terms) * sum(term.VELOCITY_FIELDS for term in terms)
 
 
-def flow_terms_of(terms: Terms) -> int:
+def flow_term_count(terms: Terms) -> int:
     """Terms of the mass flux: viscous flow, and that of a rarefied gas."""
     return 1 + any(isinstance(term, Rarefaction) for term in terms)
 
@@ -158,15 +161,15 @@ def preconditioner_count(terms: Terms) -> int:
     return max((term.parts for term in terms if isinstance(term, NonuniformGap)), default=0)
 
 
-def own_fields(terms: Terms, *, single: bool = False) -> int:
+def work_field_count(terms: Terms, *, single: bool = False) -> int:
     """Return the number of work fields that the terms need beside the unknowns."""
     linear = sum(term.LINEAR_FIELDS for term in terms)
-    return sum(term.OWN_FIELDS for term in terms) + (linear // 2 if single else linear)
+    return sum(term.WORK_FIELDS for term in terms) + (linear // 2 if single else linear)
 
 
-def notes_of(scene: Scene) -> list[str]:
+def validity_notes(scene: Scene) -> list[str]:
     """Return the notes of the terms on a scene near the end of their range."""
-    return [note for kind in TERMS if (note := kind.note(scene))]
+    return [note for kind in TERM_CLASSES if (note := kind.note(scene))]
 
 
 def unsupported_on_grid(scene: Scene, terms: Terms) -> str:

@@ -21,10 +21,10 @@ class Bearing(Term):
     label: str = "Couette term"
 
     NAME = "bearing"
-    ABSENT = AbsentTerm("Couette term", "the pad is at rest")
+    ABSENT_TERM = AbsentTerm("Couette term", "the pad is at rest")
     BREAKS_SYMMETRY_OF = "x"
-    OVER_PERIOD = "terms/bearing_over_period.cl"
-    HOOKS = ("residual", "response")
+    KERNEL_FILE = "terms/bearing_over_period.cl"
+    KERNEL_HOOKS = ("residual", "response")
 
     @classmethod
     def of(cls, scene: Scene) -> Bearing | None:

@@ -21,9 +21,9 @@ class EdgePressure(Term):
     label: str = "edge pressure"
 
     NAME = "edge_pressure"
-    OVER_PERIOD = "terms/edge_pressure_over_period.cl"
-    HOOKS = ("residual",)
-    OPERATORS = (
+    KERNEL_FILE = "terms/edge_pressure_over_period.cl"
+    KERNEL_HOOKS = ("residual",)
+    OPERATOR_NAMES = (
         *("edge_flow", "edge_values_x", "edge_slope_x"),
         *("edge_values_y", "edge_slope_y"),
     )

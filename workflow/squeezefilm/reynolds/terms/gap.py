@@ -14,16 +14,16 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
 
-NON_UNIFORM, TWO_COMPONENTS = "non-uniform gap", "two quadrature components"
+NON_UNIFORM_GAP_TEXT, TWO_COMPONENTS_TEXT = "non-uniform gap", "two quadrature components"
 # Two preconditioners pay where the widest gap at rest is so many times the narrowest, and nothing
 # else has a share in the film: they were no better for pads that slide or are no rectangles, and
 # worse with inertia. They are for diffusivities inside of those, by this share of the way from the
 # geometric mean, as Chebyshev's points lie inside an interval.
-TWO_PRECONDITIONERS_RATIO = 1.75
-INSIDE_FRACTION = 0.65
+TWO_PRECONDITIONERS_GAP_RATIO = 1.75
+PRECONDITIONER_GAP_FRACTION = 0.65
 # Least gap at rest over the largest that they know of; kernels are compiled with gaps that are
 # closed somewhere, too.
-LEAST_STATIC_GAP = 1e-3
+MIN_STATIC_GAP_RATIO = 1e-3
 
 
 @dataclass(frozen=True)
@@ -43,17 +43,17 @@ class NonuniformGap(Term):
     parts: int = 0
 
     NAME = "any_gap"
-    OVER_PERIOD = "terms/gap_over_period.cl"
-    IN_SINGLE = True
+    KERNEL_FILE = "terms/gap_over_period.cl"
+    IN_SINGLE_PRECISION = True
     IN_EXPANSIONS = True
-    ABSENT = AbsentTerm(NON_UNIFORM, "the gap is uniform at rest and moves in phase")
+    ABSENT_TERM = AbsentTerm(NON_UNIFORM_GAP_TEXT, "the gap is uniform at rest and moves in phase")
 
     @classmethod
     def of(cls, scene: Scene) -> NonuniformGap | None:
         shaped, complex_ = not scene.pad.gap.flat, scene.actuator.profile.is_complex
         if not (shaped or complex_):
             return None
-        kinds = {NON_UNIFORM: shaped, TWO_COMPONENTS: complex_}
+        kinds = {NON_UNIFORM_GAP_TEXT: shaped, TWO_COMPONENTS_TEXT: complex_}
         both = ", ".join(label for label, has in kinds.items() if has)
         if not shaped:
             return cls(both)
@@ -65,7 +65,7 @@ class NonuniformGap(Term):
     def needs_two_preconditioners(scenes: Scenes) -> np.ndarray:
         """Return where the static gap varies enough for two preconditioners to be cheaper, (n,)."""
         least, most = scenes.static_gap_range
-        return np.asarray(most > TWO_PRECONDITIONERS_RATIO * least)
+        return np.asarray(most > TWO_PRECONDITIONERS_GAP_RATIO * least)
 
     def numbers(self, scenes: Scenes) -> Numbers:
         numbers: Numbers = {"narrowest": scenes.narrowest, "per_rise": 1 / scenes.h0_m}
@@ -79,13 +79,13 @@ def _preconditioners(scenes: Scenes, count: int) -> Numbers:
     typical G over G where that is least and where it is largest.
     """
     least, most = scenes.static_gap_range
-    least = np.maximum(least, LEAST_STATIC_GAP * most)
+    least = np.maximum(least, MIN_STATIC_GAP_RATIO * most)
     middle = least * most
     if count == 1:
         typical = scenes.static_gap_mean
         per_square = typical / (1 / least + 1 / most)
         return {"diffusivities": (typical**2,), "part": (per_square / middle, per_square)}
-    spread = (most / least) ** INSIDE_FRACTION
+    spread = (most / least) ** PRECONDITIONER_GAP_FRACTION
     small, large = middle / spread, middle * spread
     per_square = 1 / (1 / small - 1 / large)
     return {"diffusivities": (small, large), "part": (-per_square / large, per_square)}

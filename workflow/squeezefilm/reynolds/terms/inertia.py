@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 LAG_PER_REYNOLDS = 0.1
 # Where waves steepen this share of a grid's harmonics has inertia, elsewhere practically all: of
 # the products of the others a grid sees little.
-LEAST_SLOW_FACTOR, MOST_SLOW_FACTOR, STEEP_WAVES = 0.5, 2.0, 0.45
+MIN_LAGGING_FACTOR, MAX_LAGGING_FACTOR, STEEP_WAVES_STEEPNESS = 0.5, 2.0, 0.45
 # And no more than so many whose waves have nodes enough, for each node and wave of the first
 # harmonic, fewer where the gas runs against them at a share of their own speed; or that are damped
 # within a part of a wave. With more the linear system is all but singular, for Newton's steps go
@@ -45,18 +45,18 @@ LEAST_SLOW_FACTOR, MOST_SLOW_FACTOR, STEEP_WAVES = 0.5, 2.0, 0.45
 NODES_PER_WAVE, COUNTERFLOW_FACTOR, DAMPED_WAVE_FACTOR = 3.0, 0.8, 0.1
 # Share of a velocity at the edge, about, within which gas is neither coming in nor going out: with
 # a fifth or five times as much a force (Re 4.3, ε 0.65, σ 17) changed by 1e-6.
-REVERSING_SPEED = 0.1
+FLOW_REVERSAL_FRACTION = 0.1
 # By so much a first grid takes layers to be thinner than σ says, where they are thinner than in a
 # film of this σ, or waves steeper than STIFF_STEEPNESS: without it two grids agreed by chance at σ
 # 1e5, ε 0.5, Re 0.5, on a force that was off by four times its estimate, and a quarter of the
 # paper's scenes needed a third grid.
-LAYER_STIFFNESS, THIN_LAYER_SIGMA, STIFF_STEEPNESS = 2.5, 1e4, 0.05
+LAYER_STIFFNESS_FACTOR, THIN_LAYER_SIGMA, STIFF_STEEPNESS = 2.5, 1e4, 0.05
 # And as thin as by (WAVE_FACTOR ε Re)⁴, at most so many times, where waves are shorter than half of
 # the pad and do not steepen much (nine pistons, ε Re 0.8 to 2.5): without it they took up to five
 # grids, each of which has more instants too.
-WAVE_FACTOR, MOST_STIFFNESS, SHORT_WAVES = 1.2, 50.0, 4 * pi
+WAVE_FACTOR, MAX_LAYER_STIFFNESS, SHORT_WAVES = 1.2, 50.0, 4 * pi
 # A velocity at the edge is about ε s/√σ in a film with layers there, and no more than without.
-LEAST_ROOT_SIGMA = 4.0
+MIN_ROOT_SIGMA = 4.0
 # Stands for zero in a denominator.
 NEGLIGIBLE_FRACTION = 1e-14
 
@@ -68,7 +68,7 @@ class VelocityTerm(Term):
         return flux_matrices(grid, aspect=aspect)
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
-        along_x, along_y = _points(grid)
+        along_x, along_y = _flux_points_of_grid(grid)
         return {
             "flux_amplitude_x": along_x.from_all_nodes @ parts[..., grid.y.inner],
             "flux_amplitude_y": parts[:, :, grid.x.inner] @ along_y.from_all_nodes.T,
@@ -86,18 +86,18 @@ class Inertia(VelocityTerm):
     label: str = "inertia"
 
     NAME = "inertia"
-    NUMBERS: ClassVar[Mapping[str, int]] = {"reynolds": 0, "reversing": 0}
-    ABSENT = AbsentTerm("inertia", "gas.inertia does not include it", "no inertia")
-    OVER_PERIOD = "terms/inertia_over_period.cl"
-    HOOKS = ("residual", "response", "step", "carry")
-    VELOCITIES = 1
-    IN_SINGLE = True
-    OWN_FIELDS = 21
+    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {"reynolds": 0, "reversing": 0}
+    ABSENT_TERM = AbsentTerm("inertia", "gas.inertia does not include it", "no inertia")
+    KERNEL_FILE = "terms/inertia_over_period.cl"
+    KERNEL_HOOKS = ("residual", "response", "step", "carry")
+    VELOCITY_FIELDS = 1
+    IN_SINGLE_PRECISION = True
+    WORK_FIELDS = 21
     LINEAR_FIELDS = 44
-    SPACE_PRODUCTS = 7
-    TIME_PRODUCTS = 10
+    SPACE_MATRIX_PRODUCTS = 7
+    TIME_MATRIX_PRODUCTS = 10
     IN_EXPANSIONS = True
-    CARRYING_MATRICES = ("carry_flux_x", "carry_flux_y")
+    INTERPOLATION_MATRICES = ("carry_flux_x", "carry_flux_y")
 
     @classmethod
     def of(cls, scene: Scene) -> Inertia | None:
@@ -106,36 +106,36 @@ class Inertia(VelocityTerm):
     def numbers(self, scene: OperatingPoints) -> Numbers:
         reynolds = scene.modified_reynolds
         lag = LAG_PER_REYNOLDS * reynolds
-        steep = np.maximum(steepness(scene), NEGLIGIBLE_FRACTION)
-        slow = LEAST_SLOW_FACTOR * np.maximum(1.0, STEEP_WAVES / steep) ** 3
-        thinness = np.maximum(scene.sigma**0.5, LEAST_ROOT_SIGMA)
+        steep = np.maximum(wave_steepness(scene), NEGLIGIBLE_FRACTION)
+        slow = MIN_LAGGING_FACTOR * np.maximum(1.0, STEEP_WAVES_STEEPNESS / steep) ** 3
+        thinness = np.maximum(scene.sigma**0.5, MIN_ROOT_SIGMA)
         # Waves travel at 1/√(lag σ), in units of the pad's length times ω.
-        waves = (lag * scene.sigma) ** 0.5 * (1 + COUNTERFLOW_FACTOR * steepness(scene))
+        waves = (lag * scene.sigma) ** 0.5 * (1 + COUNTERFLOW_FACTOR * wave_steepness(scene))
         return {
             "reynolds": reynolds,
             "lag": lag,
-            "reversing": REVERSING_SPEED
+            "reversing": FLOW_REVERSAL_FRACTION
             * np.maximum(scene.epsilon, NEGLIGIBLE_FRACTION)
             / thinness,
-            "slow": np.minimum(slow, MOST_SLOW_FACTOR),
+            "slow": np.minimum(slow, MAX_LAGGING_FACTOR),
             "waves_per_node": np.maximum(NODES_PER_WAVE / waves, DAMPED_WAVE_FACTOR / lag),
         }
 
     def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
-        layered = (sigma > THIN_LAYER_SIGMA) | (steepness(scene) > STIFF_STEEPNESS)
-        least = np.where(layered, LAYER_STIFFNESS, 1.0)
+        layered = (sigma > THIN_LAYER_SIGMA) | (wave_steepness(scene) > STIFF_STEEPNESS)
+        least = np.where(layered, LAYER_STIFFNESS_FACTOR, 1.0)
         reynolds = scene.modified_reynolds
         short = LAG_PER_REYNOLDS * reynolds * sigma > SHORT_WAVES**2
-        wavy = short & (steepness(scene) < STEEP_WAVES)
+        wavy = short & (wave_steepness(scene) < STEEP_WAVES_STEEPNESS)
         waves = np.where(wavy, (WAVE_FACTOR * scene.epsilon * reynolds) ** 4, 0.0)
-        return np.clip(waves, least, MOST_STIFFNESS)
+        return np.clip(waves, least, MAX_LAYER_STIFFNESS)
 
     def carrying_matrices(self, coarse: Grid, fine: Grid) -> Arrays:
-        pairs = zip("xy", _points(coarse), _points(fine), strict=True)
+        pairs = zip("xy", _flux_points_of_grid(coarse), _flux_points_of_grid(fine), strict=True)
         return {f"carry_flux_{axis}": its.interpolation_to(finer) for axis, its, finer in pairs}
 
 
-def steepness(scene: OperatingPoints) -> Any:
+def wave_steepness(scene: OperatingPoints) -> Any:
     """Steepness of waves: a velocity in a thick film over the speed of sound, roughly."""
     return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
 
@@ -144,12 +144,13 @@ def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
     """The matrices of velocities along each axis (spectral.py), by their names in the kernels."""
     lengths = grid.lengths(aspect)
     matrices = [
-        _matrices(axis, length) for axis, length in zip((grid.x, grid.y), lengths, strict=True)
+        _flux_matrices_of_axis(axis, length)
+        for axis, length in zip((grid.x, grid.y), lengths, strict=True)
     ]
     if grid.outline:
         matrices = [
             {**matrices_of_axis, **bent}
-            for matrices_of_axis, bent in zip(matrices, _bends(grid), strict=True)
+            for matrices_of_axis, bent in zip(matrices, _coordinate_curvatures(grid), strict=True)
         ]
     return {
         f"flux_{name}_{axis}": matrix
@@ -159,16 +160,16 @@ def flux_matrices(grid: Grid, *, aspect: float) -> Arrays:
 
 
 @lru_cache(maxsize=64)
-def _matrices(axis: Axis | AngleAxis, length: float) -> Arrays:
+def _flux_matrices_of_axis(axis: Axis | AngleAxis, length: float) -> Arrays:
     return flux_points(axis).matrices(length)
 
 
-def _points(grid: Grid) -> list[Any]:
+def _flux_points_of_grid(grid: Grid) -> list[Any]:
     """FluxPoints of x and y; of an outline AroundPoints of y."""
     return [flux_points(axis) for axis in (grid.x, grid.y)]
 
 
-def _bends(grid: Grid) -> list[Arrays]:
+def _coordinate_curvatures(grid: Grid) -> list[Arrays]:
     """Return 1/J and the bend of the velocity at the flux points of μ and of ν.
 
     With W = (dz/dζ)* ū, whose parts lie along μ and ν, (dz/dζ)* (ū·∇)ū is

@@ -13,14 +13,14 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.symmetry import axisymmetric
-from squeezefilm.reynolds.spectral import even_and_odd
+from squeezefilm.reynolds.spectral import even_and_odd_matrices
 from squeezefilm.reynolds.terms.term import Arrays, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
 
 # How far points may lie off an outline that is exact, over its length.
-EXACT_OUTLINE = 1e-9
+EXACT_OUTLINE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -28,10 +28,10 @@ class SmoothOutline(Term):
     label: str = "smooth outline"
 
     NAME = "outline"
-    OVER_PERIOD = "terms/outline_over_period.cl"
-    HOOKS: ClassVar[tuple[str, ...]] = ("residual", "response")
-    IN_SINGLE = True
-    TIME_PRODUCTS = 1
+    KERNEL_FILE = "terms/outline_over_period.cl"
+    KERNEL_HOOKS: ClassVar[tuple[str, ...]] = ("residual", "response")
+    IN_SINGLE_PRECISION = True
+    TIME_MATRIX_PRODUCTS = 1
 
     @classmethod
     def of(cls, scene: Scene) -> SmoothOutline | None:
@@ -42,7 +42,7 @@ class SmoothOutline(Term):
     @classmethod
     def note(cls, scene: Scene) -> str:
         contour = scene.pad.contour
-        if contour is None or contour.scatter < EXACT_OUTLINE:
+        if contour is None or contour.scatter < EXACT_OUTLINE_TOLERANCE:
             return ""
         off_um = contour.scatter * scene.pad.length_x_m * 1e6
         return (
@@ -61,28 +61,30 @@ class SmoothOutline(Term):
         assert outline
         x, y = grid.x, grid.y
         (length_x, length_y), weights = grid.lengths(aspect), x.weights / x.weights.sum()
-        second = x.second_derivative / length_x**2, y.second_parts / length_y**2
-        if outline.varies_around:
+        second = x.second_derivative / length_x**2, y.second_derivative_parts / length_y**2
+        if outline.varies_more_with_nu:
             mean, own, weights = weights @ area, second[1], y.weights
             others = x.modes_in_parts[0] / length_x**2
         else:
             mean, own, weights = area @ y.weights, second[0], x.weights
             others = y.modes_in_parts[0] / length_y**2
         operators = own + others[:, None, None] * np.eye(len(own))
-        if outline.varies_around:
-            values, vectors, inverse = _symmetric_modes(operators, mean)
+        if outline.varies_more_with_nu:
+            values, vectors, inverse = _modes_of_symmetric_operators(operators, mean)
         else:
-            values, vectors, inverse = _modes(operators / mean[:, None], in_halves=x.in_halves)
+            values, vectors, inverse = _modes_of_real_operators(
+                operators / mean[:, None], in_halves=x.in_even_odd_parts
+            )
         # Of unit mean square over the pad.
         size = np.sqrt(weights * mean * grid.mean_area @ vectors**2)
-        evened = np.broadcast_to(mean if outline.varies_around else mean[:, None], area.shape)
+        evened = np.broadcast_to(mean if outline.varies_more_with_nu else mean[:, None], area.shape)
         return {
             "stretch": area - 1,
             "uneven": area - evened,
             "evened": evened,
             "modes_by": vectors / size[:, None],
             "to_modes_by": inverse * size[..., None] / mean,
-            "eigenvalues": values if outline.varies_around else values.T,
+            "eigenvalues": values if outline.varies_more_with_nu else values.T,
         }
 
 
@@ -91,15 +93,15 @@ class RadialFilm(SmoothOutline):
     """A disc on an axisymmetric film: its radius is the only axis, and has its own modes."""
 
     NAME = "radius"
-    OVER_PERIOD = ""
-    HOOKS = ()
-    TIME_PRODUCTS = 0
+    KERNEL_FILE = ""
+    KERNEL_HOOKS = ()
+    TIME_MATRIX_PRODUCTS = 0
 
     def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
         return {}
 
 
-def _symmetric_modes(
+def _modes_of_symmetric_operators(
     operators: np.ndarray, mean: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return eigenvalues, vectors and their inverse of symmetric operators over a positive mean.
@@ -112,13 +114,15 @@ def _symmetric_modes(
     return values, orthogonal / root[:, None], orthogonal.swapaxes(-1, -2) * root
 
 
-def _modes(operators: np.ndarray, *, in_halves: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _modes_of_real_operators(
+    operators: np.ndarray, *, in_halves: bool
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return eigenvalues, vectors and their inverse of operators with real eigenvalues.
 
     Args:
         in_halves: modes of all of x, the even ones, then the odd ones.
     """
-    parts = even_and_odd(operators) if in_halves else operators[None]
+    parts = even_and_odd_matrices(operators) if in_halves else operators[None]
     values, vectors = (array.real for array in np.linalg.eig(parts))
     near = np.concatenate(vectors, axis=-1)
     mirrored = [sign * array[:, ::-1] for sign, array in zip((1, -1), vectors, strict=False)]

@@ -13,8 +13,8 @@ class Polytropic(Term):
     label: str = "polytropic gas"
 
     NAME = "polytropic"
-    ABSENT = AbsentTerm("polytropic gas", "gas.polytropic_exponent is 1")
-    OVER_PERIOD = "terms/polytropic_over_period.cl"
+    ABSENT_TERM = AbsentTerm("polytropic gas", "gas.polytropic_exponent is 1")
+    KERNEL_FILE = "terms/polytropic_over_period.cl"
 
     @classmethod
     def of(cls, scene: Scene) -> Polytropic | None:

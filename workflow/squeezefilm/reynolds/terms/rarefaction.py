@@ -21,9 +21,9 @@ from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
 # Poiseuille flow Q by x, from the linearised BGK equation (verification/rarefied_flow.py).
 FLOW_TABLE = Path(__file__).with_name("rarefied_flow.csv")
 # F for x → ∞, and the number of powers of u that interpolate the table to 1e-6.
-SLIP_LIMIT, SERIES_TERMS = 1.016191418, 16
+SLIP_LIMIT, FLOW_SERIES_TERM_COUNT = 1.016191418, 16
 # Above this Q counts as that in the fit: slip is a small part of a dense gas' flow.
-LARGE_FLOW_FACTOR = 3.0
+CONTINUUM_FLOW_FACTOR = 3.0
 
 
 @lru_cache(maxsize=1)
@@ -33,8 +33,8 @@ def slip_series() -> tuple[float, ...]:
     The logarithm is that of free molecules, x → 0, and the sum is SLIP_LIMIT for x → ∞.
     """
     inverse, flow = np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1, unpack=True)
-    powers = np.vander(_chebyshev_argument(inverse), SERIES_TERMS, increasing=True)
-    falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, LARGE_FLOW_FACTOR)
+    powers = np.vander(_chebyshev_argument(inverse), FLOW_SERIES_TERM_COUNT, increasing=True)
+    falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, CONTINUUM_FLOW_FACTOR)
     rest = flow - inverse / 6 - np.log1p(1 / inverse) / np.sqrt(np.pi) - SLIP_LIMIT
     series, *_ = np.linalg.lstsq(falling * weights[:, None], rest * weights, rcond=None)
     return tuple((np.append(series, 0.0) - np.append(-SLIP_LIMIT, series)).tolist())
@@ -58,7 +58,9 @@ def flow_factor_derivatives(inverse: Any) -> tuple[Any, Any]:
     return slope * by_log - free, bend + free * inverse / (1 + inverse)
 
 
-def slip_of(numbers: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+def slip_coefficients(
+    numbers: np.ndarray, mass: np.ndarray
+) -> tuple[np.ndarray, np.ndarray | None]:
     """Return c of scenes that slip, and x where F is not 1.
 
     Args:
@@ -76,7 +78,7 @@ def flow_over_viscous(numbers: np.ndarray, mass: np.ndarray) -> np.ndarray:
     """Return the flow over that of a viscous gas, W = 1 + c F/(ρ H); arguments as of slip_of."""
     if numbers["flow"].shape[1] == 1:
         return np.ones_like(mass)
-    coefficient, inverse = slip_of(numbers, mass)
+    coefficient, inverse = slip_coefficients(numbers, mass)
     flow = 1.0 if inverse is None else slip_flow(inverse)
     return np.asarray(1 + coefficient * flow / mass)
 
@@ -89,8 +91,8 @@ class Rarefaction(Term):
     """
 
     NAME = "rarefaction"
-    NUMBERS: ClassVar[Mapping[str, int]] = {"flow": 2}
-    ABSENT = AbsentTerm("rarefaction", "gas.rarefaction is none", "no slip")
+    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {"flow": 2}
+    ABSENT_TERM = AbsentTerm("rarefaction", "gas.rarefaction is none", "no slip")
     IN_EXPANSIONS = True
 
     @classmethod
@@ -108,12 +110,12 @@ class FlowFactor(Rarefaction):
     """Flow by the linearised Boltzmann equation, as of Fukui and Kaneko, J. Tribology 110, 1988."""
 
     NAME = "flow_factor"
-    NUMBERS: ClassVar[Mapping[str, int]] = {
+    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {
         "flow": 2,
         "inverse_knudsen": 0,
-        "slip_series": SERIES_TERMS,
+        "slip_series": FLOW_SERIES_TERM_COUNT,
     }
-    OVER_PERIOD = "terms/rarefaction_over_period.cl"
+    KERNEL_FILE = "terms/rarefaction_over_period.cl"
     IN_EXPANSIONS = False
 
     def numbers(self, scene: OperatingPoints) -> Numbers:

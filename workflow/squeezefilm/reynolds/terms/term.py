@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # for types alone: grids ask the terms
 # Where kernels add what terms have to say: to the residual of film_over_period.cl and its response
 # to a change of the mass, and, for unknowns of their own, to a step of Newton's method and to the
 # way from grid to grid (periodic.cl).
-HOOKS = {
+KERNEL_HOOKS = {
     "residual": "(g, film, mass, work, out)",
     "response": "(g, film, mass, work, out)",
     "step": "(g, film, step, share)",
@@ -53,38 +53,40 @@ class Term:
 
     Attributes:
         label: what tables and ``simulate --dry-run`` call it.
-        ABSENT: name and reason for a scene that does not have it, if they are shown.
+        ABSENT_TERM: name and reason for a scene that does not have it, if they are shown.
         BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
-        OVER_PERIOD: OpenCL source of its lines for the periodic state.
-        HOOKS: those of HOOKS that this source fills, by functions ``HOOK_NAME``.
-        IN_SINGLE: whether its lines in the linear system work in single precision too.
-        VELOCITIES: fields along each axis that the periodic state solves for beside the pressure.
-        OWN_FIELDS, LINEAR_FIELDS: room that its lines need beside that, in fields, and in fields of
-            the linear system.
-        SPACE_PRODUCTS, TIME_PRODUCTS: products along each of x and y, and in time, that its lines
-            add to a Krylov iteration.
+        KERNEL_FILE: OpenCL source of its lines for the periodic state.
+        KERNEL_HOOKS: those of KERNEL_HOOKS that this source fills, by functions ``HOOK_NAME``.
+        IN_SINGLE_PRECISION: whether its lines in the linear system work in single precision too.
+        VELOCITY_FIELDS: fields along each axis that the periodic state solves for beside the
+            pressure.
+        WORK_FIELDS, LINEAR_FIELDS: room that its lines need beside that, in fields, and in fields
+            of the linear system.
+        SPACE_MATRIX_PRODUCTS, TIME_MATRIX_PRODUCTS: products along each of x and y, and in time,
+            that its lines add to a Krylov iteration.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
-        OPERATORS, NUMBERS: names of what ``operators`` and ``numbers`` have that films without it
-            lack in a program which has the term (``compiled_terms``); how many numbers, 0 for one.
+        OPERATOR_NAMES, NUMBER_WIDTHS: names of what ``operators`` and ``numbers`` have that films
+            without it lack in a program which has the term (``compiled_terms``); how many numbers,
+            0 for one.
         IN_EXPANSIONS: whether the expansions for σ → ∞ (asymptotics/) are derived with the term.
     """
 
     label: str
 
     NAME: ClassVar[str]
-    ABSENT: ClassVar[AbsentTerm | None] = None
+    ABSENT_TERM: ClassVar[AbsentTerm | None] = None
     BREAKS_SYMMETRY_OF: ClassVar[str] = ""
-    OVER_PERIOD: ClassVar[str] = ""
-    HOOKS: ClassVar[tuple[str, ...]] = ()
-    IN_SINGLE: ClassVar[bool] = False
-    VELOCITIES: ClassVar[int] = 0
-    OWN_FIELDS: ClassVar[int] = 0
+    KERNEL_FILE: ClassVar[str] = ""
+    KERNEL_HOOKS: ClassVar[tuple[str, ...]] = ()
+    IN_SINGLE_PRECISION: ClassVar[bool] = False
+    VELOCITY_FIELDS: ClassVar[int] = 0
+    WORK_FIELDS: ClassVar[int] = 0
     LINEAR_FIELDS: ClassVar[int] = 0
-    SPACE_PRODUCTS: ClassVar[int] = 0
-    TIME_PRODUCTS: ClassVar[int] = 0
-    CARRYING_MATRICES: ClassVar[tuple[str, ...]] = ()
-    OPERATORS: ClassVar[tuple[str, ...]] = ()
-    NUMBERS: ClassVar[Mapping[str, int]] = {}
+    SPACE_MATRIX_PRODUCTS: ClassVar[int] = 0
+    TIME_MATRIX_PRODUCTS: ClassVar[int] = 0
+    INTERPOLATION_MATRICES: ClassVar[tuple[str, ...]] = ()
+    OPERATOR_NAMES: ClassVar[tuple[str, ...]] = ()
+    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {}
     IN_EXPANSIONS: ClassVar[bool] = False
 
     @classmethod

@@ -34,7 +34,7 @@ from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, VelocityTerm
 from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers
 
 # What a jump of temperature at the walls, over its slope there, adds to the warming and to its lag.
-JUMP_WARMS, JUMP_LAGS = 6.0, 4.0
+JUMP_WARMING_FACTOR, JUMP_LAG_FACTOR = 6.0, 4.0
 
 
 def temperature_jump(scene: OperatingPoints) -> Any:
@@ -48,18 +48,18 @@ class Thermal(VelocityTerm):
     label: str = "thermal effects"
 
     NAME = "thermal"
-    NUMBERS: ClassVar[Mapping[str, int]] = {
+    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {
         "heating": 0,
         "thermal_lag": 0,
         "viscosity_exponent": 0,
         "jump_warms": 0,
         "jump_lags": 0,
     }
-    ABSENT = AbsentTerm("thermal effects", "gas.thermal does not include them", "isothermal")
-    OVER_PERIOD = "terms/thermal_over_period.cl"
-    HOOKS = ("residual", "response")
-    IN_SINGLE = True
-    OWN_FIELDS = 8
+    ABSENT_TERM = AbsentTerm("thermal effects", "gas.thermal does not include them", "isothermal")
+    KERNEL_FILE = "terms/thermal_over_period.cl"
+    KERNEL_HOOKS = ("residual", "response")
+    IN_SINGLE_PRECISION = True
+    WORK_FIELDS = 8
 
     @classmethod
     def of(cls, scene: Scene) -> Thermal | None:
@@ -69,7 +69,7 @@ class Thermal(VelocityTerm):
         conduction = scene.gas.prandtl * scene.modified_reynolds
         adiabatic = 1 - 1 / scene.gas.heat_capacity_ratio
         jump = temperature_jump(scene)
-        warms, lags = JUMP_WARMS * jump, JUMP_LAGS * jump
+        warms, lags = JUMP_WARMING_FACTOR * jump, JUMP_LAG_FACTOR * jump
         return {
             "heating": adiabatic * conduction,
             "thermal_lag": LAG_PER_REYNOLDS * conduction,

@@ -14,39 +14,43 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import POLAR, columns_as_in
+from squeezefilm.film.positions import POLAR, columns_in_form
 from squeezefilm.models.data import POSITION_COLUMNS, Factors, factors_of
-from squeezefilm.models.fit_file import FORMAT, FittedModel, fit_of
+from squeezefilm.models.fit_file import FIT_FILE_FORMAT, FittedModel, fit_from_values
 from squeezefilm.models.fitting import (
-    RANGES_NOTE,
+    PARAMETER_RANGES_NOTE,
     Fit,
     ParameterRange,
+    best_run_of_bounds,
     check_identifiable,
-    checked_bounds,
-    evolution,
-    fit_by,
-    genetic,
+    fit_by_searches,
+    genetic_searches,
     open_range_notes,
     parameter_ranges,
+    search_by_evolution,
 )
-from squeezefilm.models.force_model import ExpressionModel, check_columns
+from squeezefilm.models.force_model import ExpressionModel, check_columns_known
 from squeezefilm.models.prediction_interval import (
-    error_scale,
-    error_sizes,
-    film_folds,
+    error_scale_of_residuals,
+    error_statistics,
+    fold_of_points,
     held_out_predictions,
     measured_interval,
     relative_errors,
 )
 from squeezefilm.studies.space import space_of
 from squeezefilm.studies.study import film_of, scenes_in
-from squeezefilm.studies.tasks.physics_limits import limit_table_of, with_limit_forces, with_limits
-from squeezefilm.studies.tasks.scan_errors import errors_in_study
+from squeezefilm.studies.tasks.physics_limits import (
+    limit_table_of,
+    with_asymptotes,
+    with_limit_forces,
+)
+from squeezefilm.studies.tasks.scan_errors import scan_errors_of_study
 from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
 
-FOLDS, FOLD_SEED = 5, 1
+CROSS_VALIDATION_FOLDS, CROSS_VALIDATION_SEED = 5, 1
 """Of the cross-validation that gives a fit's error at points it was not fitted to."""
-TABLE_ERROR_FRACTION = 0.1
+MAX_LIMIT_TABLE_ERROR_FRACTION = 0.1
 """Largest error of a table of asymptotic forces over that of a model that uses it."""
 
 
@@ -61,12 +65,14 @@ def profile_uncertainty(config: Study, *, summary: Path | str | None = None) -> 
     scan = config.smoothed_scan()
     if scan is None:
         return 0.0
-    return float(errors_in_study(config, scan)["scan_error_fraction"].max())
+    return float(scan_errors_of_study(config, scan)["scan_error_fraction"].max())
 
 
-def limits_of(points: pd.DataFrame, config: Study) -> pd.DataFrame:
+def asymptotic_forces_of_table(points: pd.DataFrame, config: Study) -> pd.DataFrame:
     """The asymptotic forces of the scenes of a table."""
-    return with_limits(points, scenes_in(points, config))[columns_as_in(LIMIT_COLUMNS, points)]
+    return with_asymptotes(points, scenes_in(points, config))[
+        columns_in_form(LIMIT_COLUMNS, points)
+    ]
 
 
 def limit_table_values(config: Study) -> dict[str, Any]:
@@ -112,26 +118,29 @@ def fit_to_forces(
         uncertainty = profile_uncertainty(config)
     factors = factors_of(with_limit_forces(model, forces, config))
     force_n = forces["force_n"].to_numpy()
-    check_columns(model, factors)
+    check_columns_known(model, factors)
     if len(factors) >= len(model.parameter_names):
         check_identifiable(model, factors)
     if seeds is None:
         seeds = settings.seeds.two_factor if model.is_centred else settings.seeds.four_factor
     first = settings.first_seed
-    searches = [*((genetic, first + number) for number in range(seeds)), (evolution, first)]
+    searches = [
+        *((genetic_searches, first + number) for number in range(seeds)),
+        (search_by_evolution, first),
+    ]
     ways = [(bound, *search) for bound, search in product(settings.bounds, searches)]
-    runs = fit_by(ways, model, factors, force_n, processes=processes)
-    best, bound_notes = checked_bounds(runs, model, factors, force_n)
+    runs = fit_by_searches(ways, model, factors, force_n, processes=processes)
+    best, bound_notes = best_run_of_bounds(runs, model, factors, force_n)
     absent_terms = forces["absent_terms"]
     about = fit_values(model, config, factors, force_n, best, absent_terms, uncertainty=uncertainty)
     about["source"] = {"squeezefilm": __version__, **source}
     about["parameter_notes"] += bound_notes
     if model.column_names and limit_table and "not_supported" not in limit_table:
         about["limit_table"] = limit_table
-    fit = fit_of(about, source=f"{config.study}: {model.name}")
+    fit = fit_from_values(about, source=f"{config.study}: {model.name}")
     if sample is not None:
-        fit = validated(fit, config, sample=sample)
-    return fit, pd.DataFrame([_run_row(run, model) for run in runs])
+        fit = with_interval(fit, config, sample=sample)
+    return fit, pd.DataFrame([_fit_run_row(run, model) for run in runs])
 
 
 def fit_values(
@@ -147,14 +156,14 @@ def fit_values(
     """A fit as its file holds it: formula, units, ranges, errors, and the study's film."""
     # A model that knows no position was fitted at some all the same.
     position = () if set(model.factor_names) & set(POSITION_COLUMNS) else POLAR[:1]
-    folds = film_folds(factors, folds=FOLDS, seed=FOLD_SEED)
+    folds = fold_of_points(factors, folds=CROSS_VALIDATION_FOLDS, seed=CROSS_VALIDATION_SEED)
     held_out = held_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
     known = bool(np.isfinite(held_out).all())
-    sizes = error_sizes(model_n=held_out, simulation_n=force_n) if known else {}
-    ranges, notes = _ranges(model, factors, force_n, fit.theta)
+    sizes = error_statistics(model_n=held_out, simulation_n=force_n) if known else {}
+    ranges, notes = _parameter_ranges_and_notes(model, factors, force_n, fit.theta)
     missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
     return {
-        "format": FORMAT,
+        "format": FIT_FILE_FORMAT,
         **asdict(fit),
         "about": model.about,
         "expression": model.expression,
@@ -162,7 +171,7 @@ def fit_values(
         "parameters": list(model.parameter_names),
         "parameter_units": list(model.parameter_units),
         "parameter_ranges": [parameter.to_dict() for parameter in ranges],
-        "parameter_ranges_note": RANGES_NOTE,
+        "parameter_ranges_note": PARAMETER_RANGES_NOTE,
         "parameter_notes": notes,
         "ranges": {
             name: [float(np.min(values)), float(np.max(values))]
@@ -170,14 +179,14 @@ def fit_values(
             for values in [factors.column(name)]
         },
         "cross_validation": {"folds": int(folds.max()) + 1, **sizes} if known else None,
-        "error_scale": list(error_scale(missed_n, force_n)),
+        "error_scale": list(error_scale_of_residuals(missed_n, force_n)),
         "profile_uncertainty": uncertainty,
         "directions": config.symmetry().to_dict(),
         "film": film_of(config, absent_terms=absent_terms),
     }
 
 
-def _ranges(
+def _parameter_ranges_and_notes(
     model: ExpressionModel, factors: Factors, force_n: np.ndarray, theta: tuple[float, ...]
 ) -> tuple[list[ParameterRange], list[str]]:
     """The range of each parameter and what to note of them, or why there are none."""
@@ -190,7 +199,7 @@ def _ranges(
     return ranges, open_range_notes(ranges)
 
 
-def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> FittedModel:
+def with_interval(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> FittedModel:
     """The same fit with the prediction interval that a validation sample gives.
 
     Raises InputError where the fit's table of asymptotic forces errs by more than a tenth of the
@@ -205,7 +214,7 @@ def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> Fitte
         errors = exact_n - np.stack([force, model_n])
         errors = errors[:, np.isfinite(errors).all(axis=0)]
         own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
-        if table > TABLE_ERROR_FRACTION * own:
+        if table > MAX_LIMIT_TABLE_ERROR_FRACTION * own:
             raise InputError(
                 f"the table of asymptotic forces is too coarse for the study's space: it errs "
                 f"by {table:.2g} N (root mean square over the validation sample) and the model "
@@ -223,14 +232,14 @@ def validated(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> Fitte
     return fit.model_copy(update={"interval": interval})
 
 
-def _run_row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
+def _fit_run_row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
     """A run as a table's row, a column for each parameter."""
     row = asdict(fit)
     theta = zip(model.parameter_names, row.pop("theta"), strict=True)
     return row | {f"parameter_{name}": value for name, value in theta}
 
 
-def errors_on(
+def errors_of_fit(
     fit: FittedModel, forces: pd.DataFrame, config: Study
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
     """The errors of a fit on simulated forces: a table of its points, and their summary.
@@ -240,13 +249,13 @@ def errors_on(
     """
     band = config.validation.relative_error_band
     factors = factors_of(with_limit_forces(fit.force_model, forces, config))
-    check_columns(fit.force_model, factors)
+    check_columns_known(fit.force_model, factors)
     predicted = fit.force_model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
-    sizes = error_sizes(model_n=predicted, simulation_n=simulated)
+    sizes = error_statistics(model_n=predicted, simulation_n=simulated)
     worst = int(np.argmax(np.abs(errors)))
-    table = forces[columns_as_in(SCENE_COLUMNS, forces)].assign(
+    table = forces[columns_in_form(SCENE_COLUMNS, forces)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors
     )
     point = table.iloc[worst]
@@ -258,5 +267,5 @@ def errors_on(
         "fraction_within_band": float(np.mean(np.abs(errors) <= band)),
         "worst_relative_error": float(errors[worst]),
         "worst_point_id": point["point_id"],
-        **{f"worst_{name}": float(point[name]) for name in columns_as_in(FACTOR_COLUMNS, forces)},
+        **{f"worst_{name}": float(point[name]) for name in columns_in_form(FACTOR_COLUMNS, forces)},
     }

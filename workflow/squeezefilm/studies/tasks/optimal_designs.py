@@ -24,16 +24,16 @@ from squeezefilm.designs.optimal import (
 from squeezefilm.designs.space import coordinates
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN
-from squeezefilm.models.data import RANGE_SLACK, factors_of
+from squeezefilm.models.data import RANGE_TOLERANCE, factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit, parameter_ranges
-from squeezefilm.models.force_model import check_columns
-from squeezefilm.studies.space import plan, points_of, space_of, table_of
+from squeezefilm.models.force_model import check_columns_known
+from squeezefilm.studies.space import plan, points_of_table, space_of, table_of_points
 from squeezefilm.studies.tasks.physics_limits import with_limit_forces
 
-MAP_LINES = 31
+SENSITIVITY_MAP_LINES = 31
 """Lines of the sensitivity's map along each factor."""
-MOST_NAMED = 5
+MAX_POINTS_NAMED = 5
 """Points that a note names."""
 
 
@@ -51,7 +51,7 @@ class FittedSpace:
     def __init__(self, fit: FittedModel, config: Study, *, forces: pd.DataFrame) -> None:
         self.model, self.config = fit.force_model, config
         factors = factors_of(with_limit_forces(self.model, forces, config))
-        check_columns(self.model, factors)
+        check_columns_known(self.model, factors)
         if not fit.theta:
             raise InputError(f"the model {fit.model} has no parameters; nothing is to be designed")
         force_n = forces["force_n"].to_numpy()
@@ -76,7 +76,7 @@ class FittedSpace:
 
     def outside(self, points: np.ndarray) -> np.ndarray:
         """Mask of the points, shape (n, k), that lie outside the ranges, shape (n,)."""
-        return np.any(np.abs(self.space.to_unit(points) - 0.5) > 0.5 + RANGE_SLACK, axis=1)
+        return np.any(np.abs(self.space.to_unit(points) - 0.5) > 0.5 + RANGE_TOLERANCE, axis=1)
 
 
 def designs_by_name(
@@ -90,8 +90,8 @@ def designs_by_name(
     """
     maximin = maximin_design(fitted.derivatives(fitted.everywhere, every=True))
     designs = {
-        "local": _box_design(fitted, fitted.derivatives),
-        "bayesian": _box_design(fitted, partial(fitted.derivatives, every=True)),
+        "local": _design_in_space(fitted, fitted.derivatives),
+        "bayesian": _design_in_space(fitted, partial(fitted.derivatives, every=True)),
         "maximin": maximin.on(fitted.everywhere),
     }
     derivatives, parameters = fitted.derivatives(fitted.grid), fitted.thetas.shape[1]
@@ -103,10 +103,10 @@ def designs_by_name(
     for count in settings.points:
         if count >= parameters:
             chosen = exchange(derivatives, count, **apart)
-            designs[f"exact-{count}"] = _equal_weights(fitted.grid[chosen])
-    designs = {name: _sorted(design) for name, design in designs.items()}
+            designs[f"exact-{count}"] = _design_of_equal_weights(fitted.grid[chosen])
+    designs = {name: _points_in_order(design) for name, design in designs.items()}
     if existing is not None:
-        there = points_of(existing, fitted.space)
+        there = points_of_table(existing, fitted.space)
         added = exchange(
             derivatives,
             parameters,
@@ -114,11 +114,11 @@ def designs_by_name(
             existing_coordinates=fitted.coordinates(there),
             **apart,
         )
-        designs["augmented"] = _equal_weights(np.concatenate([there, fitted.grid[added]]))
+        designs["augmented"] = _design_of_equal_weights(np.concatenate([there, fitted.grid[added]]))
     return designs
 
 
-def _box_design(fitted: FittedSpace, gradients: Gradients) -> ContinuousDesign:
+def _design_in_space(fitted: FittedSpace, gradients: Gradients) -> ContinuousDesign:
     """The best weights on the grid; and off it, where derivatives cost no physics and the whole
     space can be simulated.
     """
@@ -127,19 +127,19 @@ def _box_design(fitted: FittedSpace, gradients: Gradients) -> ContinuousDesign:
     return optimal_weights(gradients(fitted.everywhere)).on(fitted.everywhere)
 
 
-def _equal_weights(points: np.ndarray) -> ContinuousDesign:
+def _design_of_equal_weights(points: np.ndarray) -> ContinuousDesign:
     return ContinuousDesign(points, np.full(len(points), 1 / len(points)))
 
 
-def _sorted(design: ContinuousDesign) -> ContinuousDesign:
+def _points_in_order(design: ContinuousDesign) -> ContinuousDesign:
     order = np.lexsort(np.round(design.points, 12).T[::-1])
     return replace(design, points=design.points[order], weights=design.weights[order])
 
 
-def _table(
+def _design_table(
     fitted: FittedSpace, name: str, design: ContinuousDesign, existing: pd.DataFrame | None
 ) -> pd.DataFrame:
-    table = table_of(design.points, fitted.space)
+    table = table_of_points(design.points, fitted.space)
     table["point_id"] = [f"{name}-{number}" for number in table["point_id"]]
     table = table.assign(design=name, weight=design.weights, origin="design")
     if name == "augmented" and existing is not None:
@@ -147,7 +147,7 @@ def _table(
     return table
 
 
-def efficiencies(
+def efficiency_table(
     fitted: FittedSpace, designs: Mapping[str, ContinuousDesign], others: Mapping[str, np.ndarray]
 ) -> pd.DataFrame:
     """Every design and plan: D-efficiency for the fit, a bound of it, and over all vectors.
@@ -162,7 +162,10 @@ def efficiencies(
     best[0] = max(best[0], *log_determinant(own, local.weights))
     reference = np.concatenate([candidates[0], own])
     rows = []
-    plans = {**designs, **{name: _equal_weights(points) for name, points in others.items()}}
+    plans = {
+        **designs,
+        **{name: _design_of_equal_weights(points) for name, points in others.items()},
+    }
     for name, design in plans.items():
         points, weights = design.points, design.weights
         derivatives = fitted.derivatives(points, every=True)
@@ -186,7 +189,9 @@ def efficiencies(
     return pd.DataFrame(rows)
 
 
-def _notes(fitted: FittedSpace, sizes: Sequence[int], existing: pd.DataFrame | None) -> list[str]:
+def _design_notes(
+    fitted: FittedSpace, sizes: Sequence[int], existing: pd.DataFrame | None
+) -> list[str]:
     """Reasons for designs that are missing, and for efficiencies above one."""
     parameters, notes = fitted.thetas.shape[1], []
     for size in sizes:
@@ -196,10 +201,10 @@ def _notes(fitted: FittedSpace, sizes: Sequence[int], existing: pd.DataFrame | N
                 f"{parameters} parameters of {fitted.model.name}; give {parameters} or more"
             )
     if existing is not None:
-        outside = fitted.outside(points_of(existing, fitted.space))
+        outside = fitted.outside(points_of_table(existing, fitted.space))
         points = existing.loc[outside, "point_id"].tolist()
         if points:
-            ids = ", ".join(points[:MOST_NAMED]) + ", …" * (len(points) > MOST_NAMED)
+            ids = ", ".join(points[:MAX_POINTS_NAMED]) + ", …" * (len(points) > MAX_POINTS_NAMED)
             limits = fitted.space.limits.items()
             ranges = ", ".join(f"{name} {low:.4g} … {high:.4g}" for name, (low, high) in limits)
             notes.append(
@@ -218,7 +223,7 @@ def sensitivity_map(fitted: FittedSpace, local: ContinuousDesign) -> pd.DataFram
     """
     space, own = fitted.space, fitted.derivatives(local.points)
     layers = {"design": local.points}
-    lines = np.linspace(0, 1, MAP_LINES)
+    lines = np.linspace(0, 1, SENSITIVITY_MAP_LINES)
     gaps = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
     if len(space.names) == 2:
         layers["gap"] = space.from_unit(gaps)
@@ -234,7 +239,7 @@ def sensitivity_map(fitted: FittedSpace, local: ContinuousDesign) -> pd.DataFram
     for layer, points in layers.items():
         points = points[space.allowed(points)]
         level = sensitivity(own, fitted.derivatives(points), weights=local.weights)
-        at = factors_of(table_of(points, space))
+        at = factors_of(table_of_points(points, space))
         micrometres = {"h0_um": 1e6 * at.h0_m, "hv_um": 1e6 * at.hv_m}
         position_mm = {"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m}
         part = pd.DataFrame({"layer": layer, **micrometres, **position_mm}).round(9)
@@ -272,22 +277,22 @@ def designs_of_fit(
     Raises InputError where the model cannot be used on these points, or has no parameters.
     """
     fitted = FittedSpace(fit, config, forces=forces)
-    others = {name: points_of(scenes, fitted.space) for name, scenes in (plans or {}).items()}
+    others = {name: points_of_table(scenes, fitted.space) for name, scenes in (plans or {}).items()}
     for kind in ("scalings", "forms"):
         for search, patterns_found in (patterns or {}).get(kind, {}).items():
             for pattern in patterns_found:
                 table = pd.DataFrame(pattern["points"])[list(fitted.space.names)]
                 others[f"pattern {pattern['pattern']} ({search})"] = table.to_numpy()
     designs = designs_by_name(fitted, config.optimal, existing=existing)
-    table = efficiencies(fitted, designs, others)
+    table = efficiency_table(fitted, designs, others)
     bounds = {name: design.efficiency_bound for name, design in designs.items()}
     summary = {
         "model": fitted.model.name,
         "theta": fitted.thetas[0].tolist(),
         "certificates": {name: bound for name, bound in bounds.items() if bound is not None},
-        "notes": _notes(fitted, config.optimal.points, existing),
+        "notes": _design_notes(fitted, config.optimal.points, existing),
     }
-    points = [_table(fitted, *named_design, existing) for named_design in designs.items()]
+    points = [_design_table(fitted, *named_design, existing) for named_design in designs.items()]
     return {
         "designs": pd.concat(points, ignore_index=True),
         "efficiencies": table,

@@ -14,10 +14,10 @@ import pandas as pd
 from squeezefilm.config.study import Design, FourFactorDesign, Study
 from squeezefilm.designs.paper_design import (
     Criterion,
-    Pattern,
-    augment,
+    DesignPattern,
+    add_corner_points,
+    distinct_support_points,
     find_patterns,
-    find_regions,
     search_design,
     spread_on_lines,
 )
@@ -26,7 +26,7 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import get_model
 from squeezefilm.parallel import parallel_map
-from squeezefilm.studies.space import plan, space_of, twelve_digits
+from squeezefilm.studies.space import plan, round_to_twelve_digits, space_of
 
 PARAMETER_DIGITS = 6
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
@@ -38,19 +38,21 @@ PaperDesigns = dict[str, pd.DataFrame | dict[str, Any]]
 
 def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
     settings, space = config.design, space_of(config, centred=True)
-    determinant = _criterion(fit, space)
+    determinant = _determinant_criterion(fit, space)
     searches, summary = [], {}
     for scaling in TWO_FACTOR_SCALINGS:
         criterion = replace(determinant, distance=coordinates(scaling, space))
-        patterns, table, summary[scaling] = _patterns(
+        patterns, table, summary[scaling] = _pattern_tables(
             scaling, criterion, len(fit.theta), settings, processes=processes
         )
         searches.append(table)
         if scaling == settings.scaling:
-            regions = augment(criterion, find_regions(patterns, space), settings.points)
+            regions = add_corner_points(
+                criterion, distinct_support_points(patterns, space), settings.points
+            )
     points = np.array([region.point for region in regions])
-    design = plan(_factors(points, space), position=fit.position)
-    design["origin"] = [" and ".join(region.origins) for region in regions]
+    design = plan(_factor_table(points, space), position=fit.position)
+    design["origin"] = [" and ".join(region.pattern_names) for region in regions]
     about = {"scaling": settings.scaling, "searches": settings.searches, "scalings": summary}
     search_table = pd.concat(searches, ignore_index=True)
     return {"design": design, "searches": search_table, "summary": about}
@@ -58,11 +60,11 @@ def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> Pa
 
 def four_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
     settings, space = config.four_factor_design, space_of(config)
-    criterion, scene = _criterion(fit, space), coordinates("scene", space)
+    criterion, scene = _determinant_criterion(fit, space), coordinates("scene", space)
     distinct = replace(criterion, apart=scene, separation=settings.separation)
     designs, summary = {}, {}
     for form, criterion_of_form in {"paper": criterion, "distinct": distinct}.items():
-        patterns, _, summary[form] = _patterns(
+        patterns, _, summary[form] = _pattern_tables(
             form,
             criterion_of_form,
             len(fit.theta),
@@ -70,11 +72,11 @@ def four_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> P
             ratio=("h0_m", "hv_m"),
             processes=processes,
         )
-        designs[form] = plan(_factors(patterns[0].design.points, space)).assign(origin=form)
+        designs[form] = plan(_factor_table(patterns[0].design.points, space)).assign(origin=form)
     return designs | {"summary": {"searches": settings.searches, "forms": summary}}
 
 
-def _criterion(fit: FittedModel, space: Space) -> Criterion:
+def _determinant_criterion(fit: FittedModel, space: Space) -> Criterion:
     """The determinant for a fit's parameters, to the digits that they have.
 
     A search ends at any of equally good points; of digits that are round-off, round-off chooses.
@@ -88,7 +90,7 @@ def _criterion(fit: FittedModel, space: Space) -> Criterion:
     return Criterion(gradient, space)
 
 
-def _patterns(
+def _pattern_tables(
     name: str,
     criterion: Criterion,
     points: int,
@@ -96,7 +98,7 @@ def _patterns(
     *,
     ratio: tuple[str, str] | None = None,
     processes: int,
-) -> tuple[list[Pattern], pd.DataFrame, list[dict[str, Any]]]:
+) -> tuple[list[DesignPattern], pd.DataFrame, list[dict[str, Any]]]:
     """The patterns that searches ended in, a row for each point of each, and what patterns are."""
     space = criterion.space
     seeds = range(settings.first_seed, settings.first_seed + settings.searches)
@@ -108,7 +110,7 @@ def _patterns(
     patterns = find_patterns(designs, space)
     names = {index: pattern.name for pattern in patterns for index in pattern.members}
     searches = [
-        _factors(design.points, space).assign(search=index + 1, objective=design.value)
+        _factor_table(design.points, space).assign(search=index + 1, objective=design.value)
         for index, design in enumerate(designs)
     ]
     table = pd.concat(searches, ignore_index=True)
@@ -119,7 +121,7 @@ def _patterns(
             "count": len(pattern.members),
             "objective": pattern.design.value,
             "objective_excess": pattern.design.value - patterns[0].design.value,
-            "points": _factors(pattern.design.points, space).to_dict("records"),
+            "points": _factor_table(pattern.design.points, space).to_dict("records"),
         }
         for pattern in patterns
     ]
@@ -127,6 +129,6 @@ def _patterns(
     return patterns, table[columns], summaries
 
 
-def _factors(points: np.ndarray, space: Space) -> pd.DataFrame:
+def _factor_table(points: np.ndarray, space: Space) -> pd.DataFrame:
     """Points with their factors' names; twelve digits, so that a limit reads 2e-06."""
-    return pd.DataFrame(twelve_digits(points), columns=list(space.names))
+    return pd.DataFrame(round_to_twelve_digits(points), columns=list(space.names))

@@ -23,9 +23,9 @@ from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.reynolds.asymptotics.composite import (
     composite_expansion,
     edge_layer_expansion,
-    expanded,
+    expand_scenes,
     high_squeeze_limit,
-    not_derived_for,
+    reasons_not_expanded,
 )
 from squeezefilm.reynolds.plan import plan_of
 from squeezefilm.studies.space import plan, space_of
@@ -36,24 +36,24 @@ LIMIT_TOLERANCE, LIMIT_TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 EXPANSIONS = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansion}
 EXPANSIONS_WITH_INERTIA = EXPANSIONS | {"limit_n": composite_expansion}
 EXPANSION_INVALID = "not supported: the asymptotic force for large squeeze numbers does not hold"
-CHECK_POINTS, CHECK_SEED = 500, 3
-CHECK_LINES, POINTS_PER_LINE = 3, 65
+TABLE_CHECK_POINTS, TABLE_CHECK_SEED = 500, 3
+LINES_PER_AXIS, POINTS_PER_LINE = 3, 65
 """Along each axis of a table, at random places of the others, to choose its points, and Chebyshev
 points of a line, by which the decay of coefficients is measured."""
-LEAST_POINTS, MOST_NODES = 3, 15_000
+MIN_POINTS_PER_AXIS, MAX_TABLE_NODES = 3, 15_000
 """Of an axis; of a table, whose file grows with them."""
-LARGEST_EPSILON_SQUARE = 0.5
+MAX_EPSILON_SQUARE = 0.5
 """Amplitudes up to 0.7 of the gap: beyond a study's, since a target force may lie there."""
 TABLE_TOLERANCE, TABLE_TOLERANCE_WITH_INERTIA = 3e-7, 1e-5
 """Of a table, relative; the best fitted corrections of the limits leave 3e-5 of the force."""
 
 
-def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
+def with_asymptotes(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
     films = plan_of(
         [s.with_gas(inertia="included") if s.gas.inertia == "auto" else s for s in scenes]
     )
-    underived = not_derived_for(films)
+    underived = reasons_not_expanded(films)
     derived = ~np.isin(np.arange(len(scenes)), list(underived))
     has = np.broadcast_to(films.scenes.gas.inertia == "included", len(scenes))
     scale_n = np.broadcast_to(films.scenes.force_scale_n, len(scenes))
@@ -61,7 +61,7 @@ def with_limits(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     columns |= {name: np.full(len(scenes), np.nan) for name in (*EXPANSIONS, "limit_error_n")}
     for inertia, column in product((False, True), EXPANSIONS):
         expand = (EXPANSIONS_WITH_INERTIA if inertia else EXPANSIONS)[column]
-        found = expanded(
+        found = expand_scenes(
             expand,
             films,
             np.flatnonzero(derived & (has == inertia)),
@@ -83,7 +83,7 @@ def with_limit_forces(model: ExpressionModel, points: pd.DataFrame, config: Stud
     """Points with the asymptotic forces that a model uses, computed unless the table has them."""
     if not set(model.column_names) - set(points):
         return points
-    limits = with_limits(points, scenes_in(points, config))
+    limits = with_asymptotes(points, scenes_in(points, config))
     return points.assign(**limits[[*PHYSICS_COLUMNS.values()]])
 
 
@@ -97,18 +97,22 @@ def limit_table_of(config: Study) -> LimitTable:
     """
     ranges = dict(space_of(config).limits)
     del ranges["hv_m"]
-    epsilon_square = {"epsilon_square": (0.0, LARGEST_EPSILON_SQUARE)}
+    epsilon_square = {"epsilon_square": (0.0, MAX_EPSILON_SQUARE)}
     ranges = {"h0_m": ranges.pop("h0_m"), **epsilon_square, **ranges}
-    random = np.random.default_rng(CHECK_SEED)
+    random = np.random.default_rng(TABLE_CHECK_SEED)
     counts = _node_counts(config, ranges, random)
-    nodes = np.meshgrid(*[_nodes(ranges[axis], counts[axis]) for axis in ranges], indexing="ij")
+    nodes = np.meshgrid(
+        *[_chebyshev_points(ranges[axis], counts[axis]) for axis in ranges], indexing="ij"
+    )
     shape = nodes[0].shape
-    limits, smooth = _limit_forces(config, dict(zip(ranges, map(np.ravel, nodes), strict=True)))
+    limits, smooth = _asymptotic_forces_at(
+        config, dict(zip(ranges, map(np.ravel, nodes), strict=True))
+    )
     coefficients = {}
     for name, values in zip(EXPANSIONS, smooth, strict=True):
         transformed = values.reshape(shape)
         for axis in range(len(shape)):
-            transformed = _transformed(transformed, axis=axis)
+            transformed = _chebyshev_coefficients(transformed, axis=axis)
         coefficients[name] = transformed.ravel().tolist()
     values = {
         "ranges": ranges,
@@ -118,9 +122,9 @@ def limit_table_of(config: Study) -> LimitTable:
         "largest_relative_error": np.nan,
     }
     table = LimitTable.model_validate(values)
-    drawn = {axis: random.uniform(*ranges[axis], CHECK_POINTS) for axis in ranges}
+    drawn = {axis: random.uniform(*ranges[axis], TABLE_CHECK_POINTS) for axis in ranges}
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
-    checked, _ = _limit_forces(config, drawn)
+    checked, _ = _asymptotic_forces_at(config, drawn)
     interpolated = table.with_limits(factors_of(checked))
     errors = [np.abs(interpolated.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
     return table.model_copy(update={"largest_relative_error": float(max(errors))})
@@ -132,42 +136,44 @@ def _node_counts(
     """Points that each axis of the table needs, measured on lines along it at random places.
 
     The error of m points is Σ |c_k|, k ≥ m, over the mean value, the largest of all lines. One
-    more is taken where it is largest, until all hold the tolerance or there are MOST_NODES.
+    more is taken where it is largest, until all hold the tolerance or there are MAX_TABLE_NODES.
     """
     tails = {}
     for along, (low, high) in ranges.items():
         if low == high:
             continue
         at = {
-            axis: np.repeat(random.uniform(*limits, CHECK_LINES), POINTS_PER_LINE)
+            axis: np.repeat(random.uniform(*limits, LINES_PER_AXIS), POINTS_PER_LINE)
             for axis, limits in ranges.items()
         }
-        at[along] = np.tile(_nodes(ranges[along], POINTS_PER_LINE), CHECK_LINES)
-        lines = _limit_forces(config, at)[1].reshape(-1, POINTS_PER_LINE)
-        sizes = np.abs(_transformed(lines, axis=1)) / np.abs(lines).mean(axis=1, keepdims=True)
+        at[along] = np.tile(_chebyshev_points(ranges[along], POINTS_PER_LINE), LINES_PER_AXIS)
+        lines = _asymptotic_forces_at(config, at)[1].reshape(-1, POINTS_PER_LINE)
+        sizes = np.abs(_chebyshev_coefficients(lines, axis=1)) / np.abs(lines).mean(
+            axis=1, keepdims=True
+        )
         tail = np.flip(np.cumsum(np.flip(sizes, axis=1), axis=1), axis=1).max(axis=0)
         tails[along] = np.append(tail, 0.0)
     inertia = config.gas.inertia != "none"
     tolerance = TABLE_TOLERANCE_WITH_INERTIA if inertia else TABLE_TOLERANCE
-    counts = {axis: LEAST_POINTS if axis in tails else 1 for axis in ranges}
+    counts = {axis: MIN_POINTS_PER_AXIS if axis in tails else 1 for axis in ranges}
 
-    def left(axis: str) -> float:
+    def remaining_tail(axis: str) -> float:
         return float(tails[axis][counts[axis]])
 
-    while left(widest := max(tails, key=left)) > tolerance:
-        if prod(counts.values()) // counts[widest] * (counts[widest] + 1) > MOST_NODES:
+    while remaining_tail(widest := max(tails, key=remaining_tail)) > tolerance:
+        if prod(counts.values()) // counts[widest] * (counts[widest] + 1) > MAX_TABLE_NODES:
             break
         counts[widest] += 1
     return counts
 
 
-def _nodes(limits: tuple[float, float], count: int) -> np.ndarray:
+def _chebyshev_points(limits: tuple[float, float], count: int) -> np.ndarray:
     """Chebyshev points between two limits."""
     low, high = limits
     return (low + high) / 2 + (high - low) / 2 * chebyshev.chebpts1(count)
 
 
-def _transformed(values: np.ndarray, *, axis: int) -> np.ndarray:
+def _chebyshev_coefficients(values: np.ndarray, *, axis: int) -> np.ndarray:
     """Chebyshev coefficients along an axis of values at the points."""
     points = values.shape[axis]
     at_nodes = chebyshev.chebvander(chebyshev.chebpts1(points), points - 1)
@@ -175,11 +181,13 @@ def _transformed(values: np.ndarray, *, axis: int) -> np.ndarray:
     return np.moveaxis(moved, 0, axis)
 
 
-def _limit_forces(config: Study, at: dict[str, np.ndarray]) -> tuple[pd.DataFrame, np.ndarray]:
+def _asymptotic_forces_at(
+    config: Study, at: dict[str, np.ndarray]
+) -> tuple[pd.DataFrame, np.ndarray]:
     """The limits at points, and both EXPANSIONS over ε², which is smooth, shape (2, n)."""
     factors = pd.DataFrame(at).assign(hv_m=at["h0_m"] * np.sqrt(at["epsilon_square"]))
     table = plan(factors.drop(columns="epsilon_square"))
-    limits = with_limits(table, scenes_in(table, config))
+    limits = with_asymptotes(table, scenes_in(table, config))
     if missing := [status for status in limits["status"] if status != "ok"]:
         raise InputError(f"{config.path}: {missing[0]} (of the study's space)")
     return limits, limits[[*EXPANSIONS]].to_numpy().T / at["epsilon_square"]

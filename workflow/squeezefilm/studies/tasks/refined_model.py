@@ -7,26 +7,26 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config.study import Study
-from squeezefilm.designs.sequential import Outcome, Pool, Round, Sequential
+from squeezefilm.designs.sequential import Outcome, Pool, Round, SequentialDesign
 from squeezefilm.designs.space import coordinates
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.film.positions import columns_as_in
+from squeezefilm.film.positions import columns_in_form
 from squeezefilm.models.data import factors_of
-from squeezefilm.models.fit_file import fit_of
+from squeezefilm.models.fit_file import fit_from_values
 from squeezefilm.models.fitting import Fit
-from squeezefilm.models.force_model import ExpressionModel, check_columns
+from squeezefilm.models.force_model import ExpressionModel, check_columns_known
 from squeezefilm.models.prediction_interval import error_by_region
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.space import points_of, space_of, table_of
+from squeezefilm.studies.space import points_of_table, space_of, table_of_points
 from squeezefilm.studies.study import scenes_in
-from squeezefilm.studies.tasks.fits import fit_values, validated
-from squeezefilm.studies.tasks.physics_limits import with_limits
+from squeezefilm.studies.tasks.fits import fit_values, with_interval
+from squeezefilm.studies.tasks.physics_limits import with_asymptotes
 from squeezefilm.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, ROUND_COLUMNS
 
-SAMPLE_POINTS = 1000
+FAIR_SAMPLE_POINTS = 1000
 """Points of the fair sample of the space at which nothing is simulated."""
-UNEXPLAINED_FRACTION = 0.3
+MAX_UNEXPLAINED_FRACTION = 0.3
 """The expansion maps a model's error if it leaves less than this share of it unexplained."""
 
 
@@ -43,24 +43,24 @@ class SimulatedSpace:
         kinds = [
             space.grid(settings.candidates, distinct=True),
             space.sample(settings.verification, seed=settings.seed),
-            space.sample(SAMPLE_POINTS, seed=settings.seed + 1),
+            space.sample(FAIR_SAMPLE_POINTS, seed=settings.seed + 1),
         ]
         self.config = config
-        self.table = table_of(np.concatenate(kinds), space)
+        self.table = table_of_points(np.concatenate(kinds), space)
         self.scenes = scenes_in(self.table, config)
-        self.known = with_limits(self.table, self.scenes)
+        self.known = with_asymptotes(self.table, self.scenes)
         self.solved = pd.DataFrame()
         self.pool = Pool(
             factors_of(self.known),
-            coordinates("scene", space)(points_of(self.table, space)),
+            coordinates("scene", space)(points_of_table(self.table, space)),
             *np.split(np.arange(len(self.table)), np.cumsum([len(each) for each in kinds])[:-1]),
         )
 
     def simulate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and their errors; raises RunError for a scene that has no force."""
         settings = solver_settings(self.config, outputs=())
-        scenes = settings.resolved(self.scenes[points])
-        forces = solve(scenes, **settings.how).to_frame(pd.Index(points))
+        scenes = settings.with_terms_decided(self.scenes[points])
+        forces = solve(scenes, **settings.solve_arguments).to_frame(pd.Index(points))
         for point, status in forces["status"][forces["status"] != "ok"].items():
             (factors,) = self.rows(self.table, [point], FACTOR_COLUMNS).to_dict("records")
             raise RunError(f"no force at {factors}: {status}")
@@ -69,7 +69,7 @@ class SimulatedSpace:
 
     def rows(self, table: pd.DataFrame, points: Any, columns: Sequence[str]) -> pd.DataFrame:
         """Columns of points in one of the tables, in the form that positions have there."""
-        return table.loc[points, columns_as_in(columns, table)].reset_index(drop=True)
+        return table.loc[points, columns_in_form(columns, table)].reset_index(drop=True)
 
 
 def refine(
@@ -93,22 +93,26 @@ def refine(
     simulated, settings = SimulatedSpace(config, centred=space == "two_factor"), config.refine
     pool, about = simulated.pool, {"model": model.name, "space": space}
     try:
-        check_columns(model, pool.factors)
+        check_columns_known(model, pool.factors)
     except InputError as error:
         print(error)
         reason = about | {"not_supported": str(error)}
         return dict.fromkeys(TABLE_NAMES, pd.DataFrame(columns=["status"])), reason, reason
     bound = config.fit.bounds[-1]
-    outcome = Sequential(model, pool, settings, simulated.simulate, bound=bound).run(_print_round)
+    outcome = SequentialDesign(model, pool, settings, simulated.simulate, bound=bound).run(
+        _print_round
+    )
     print(f"{outcome.verdict}: {outcome.reason}")
     values = _fit_values(model, simulated, outcome, uncertainty=uncertainty)
-    fit = fit_of(values, source=f"{config.study}: {model.name}")
-    fit = validated(fit, config, sample=sample)
+    fit = fit_from_values(values, source=f"{config.study}: {model.name}")
+    fit = with_interval(fit, config, sample=sample)
     print(fit.statement)
     last, points = outcome.rounds[-1], outcome.simulated
     where, source = _error_map(model, simulated, outcome)
-    by_region = error_by_region(pool.factors.take(pool.typical), where["error_n"][-SAMPLE_POINTS:])
-    labels = _labels(outcome, settings.verification)
+    by_region = error_by_region(
+        pool.factors.take(pool.fair_sample), where["error_n"][-FAIR_SAMPLE_POINTS:]
+    )
+    labels = _purpose_labels(outcome, settings.verification)
     known, forces = (
         table.assign(point_id=pd.Series(labels, index=points))
         for table in (simulated.known, simulated.table.join(simulated.solved))
@@ -143,7 +147,7 @@ def _print_round(done: Round) -> None:
     )
 
 
-def _labels(outcome: Outcome, checks: int) -> list[str]:
+def _purpose_labels(outcome: Outcome, checks: int) -> list[str]:
     """Purpose of each simulation: verification-3, or design-2-5, the fifth, of round two."""
     labels = [f"verification-{number}" for number in range(1, checks + 1)]
     for done in outcome.rounds:
@@ -163,12 +167,12 @@ def _error_map(
     from scipy.interpolate import RBFInterpolator  # slow to import, and only needed here
 
     pool, points = space.pool, outcome.simulated
-    rows = np.concatenate([pool.candidates, pool.typical])
+    rows = np.concatenate([pool.candidates, pool.fair_sample])
     own = model.evaluate(outcome.hindsight, pool.factors)
     seen = own[points] - outcome.force_n
     limit = space.known["limit_n"].to_numpy()
     left = outcome.force_n - limit[points]
-    if not model.column_names and np.linalg.norm(left) < UNEXPLAINED_FRACTION * np.linalg.norm(
+    if not model.column_names and np.linalg.norm(left) < MAX_UNEXPLAINED_FRACTION * np.linalg.norm(
         seen
     ):
         error, source = own[rows] - limit[rows], "asymptotic expansion"

@@ -16,7 +16,7 @@ from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import Directions
-from squeezefilm.formatting import in_lines, percent
+from squeezefilm.formatting import percent, result_lines
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
@@ -24,13 +24,13 @@ from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import device_of
 from squeezefilm.studies.space import plan
 from squeezefilm.studies.study import scenes_in
-from squeezefilm.units import rounded_up
+from squeezefilm.units import round_up_error
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 SCAN_FORCE_TOLERANCE = 1e-3
-DRAWS, DRAW_SEED = 50, 1
-# Half of the interval that holds 95 %, over the spread: Student's t at 97.5 % with DRAWS − 1
-# degrees of freedom (scipy.special takes 0.2 s to import).
+BOOTSTRAP_DRAWS, BOOTSTRAP_SEED = 50, 1
+# Half of the interval that holds 95 %, over the spread: Student's t at 97.5 % with BOOTSTRAP_DRAWS
+# − 1 degrees of freedom (scipy.special takes 0.2 s to import).
 COVERAGE_FACTOR = 2.0095752371292392
 
 
@@ -60,8 +60,11 @@ def scan_errors(
         RunError: naming a scene that has no force.
     """
     scenes = resolve_auto_terms(scenes, device=device)
-    profiles = [smoothed.profile, *smoothed.residual_bootstrap(count=DRAWS, seed=DRAW_SEED)]
-    profiles += smoothed.misfitting
+    profiles = [
+        smoothed.profile,
+        *smoothed.residual_bootstrap(count=BOOTSTRAP_DRAWS, seed=BOOTSTRAP_SEED),
+    ]
+    profiles += smoothed.profiles_with_misfit
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
         for profile in profiles
@@ -73,15 +76,15 @@ def scan_errors(
     values = solutions.to_frame().drop(columns=[*SOLUTION_COLUMNS[1:]])
     count = len(scenes)
     own, numbers = values.iloc[:count], values.select_dtypes("number")
-    noisy = numbers.iloc[count : (DRAWS + 1) * count]
-    misfitting = numbers.iloc[(DRAWS + 1) * count :]
+    noisy = numbers.iloc[count : (BOOTSTRAP_DRAWS + 1) * count]
+    misfitting = numbers.iloc[(BOOTSTRAP_DRAWS + 1) * count :]
     spread = noisy.groupby(noisy.index % count).std()
     off = (misfitting - own[numbers.columns].iloc[misfitting.index % count].to_numpy()).abs()
     misfit = off.groupby(off.index % count).max().reindex(range(count), fill_value=0.0)
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     bias = 2 * smoothed.peak_bias_m / smoothed.peak_m / (1 - Scenes.of(scenes).epsilon)
     neglected = not smoothed.profile.is_complex
-    effect = [out_of_phase_effect(scene, smoothed) if neglected else 0.0 for scene in scenes]
+    effect = [quadrature_effect_on_force(scene, smoothed) if neglected else 0.0 for scene in scenes]
     table = pd.DataFrame({"force_n": own["force_n"], "spread_n": spread["force_n"]})
     size_n = table["force_n"].abs()
     noise = COVERAGE_FACTOR * spread + own[spread.columns].abs().mul(bias, axis=0)
@@ -98,7 +101,7 @@ def scan_errors(
     return table.assign(scan_error_fraction=table["scan_error_n"] / size_n)
 
 
-def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
+def quadrature_effect_on_force(scene: Scene, smoothed: SmoothedScan) -> float:
     """Estimate of the relative change of a force by the neglected quadrature component.
 
     Small forces go as the sum of both squares under the pad. With more motion a force grows faster,
@@ -110,7 +113,7 @@ def out_of_phase_effect(scene: Scene, smoothed: SmoothedScan) -> float:
     return second / first / (1 - scene.epsilon) if first else math.inf
 
 
-def errors_in_study(config: Study, smoothed: SmoothedScan) -> pd.DataFrame:
+def scan_errors_of_study(config: Study, smoothed: SmoothedScan) -> pd.DataFrame:
     """Forces of some of a study's scenes, and their errors by the scan."""
     points, device = _extreme_scenes(config), device_of(config)
     return points.join(scan_errors(scenes_in(points, config), smoothed, device=device))
@@ -128,11 +131,11 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
     if smoothed is None:
         kind = config.actuator.profile.kind
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
-    forces = errors_in_study(config, smoothed)
+    forces = scan_errors_of_study(config, smoothed)
     noise, error = (float(forces[f"{part}_fraction"].max()) for part in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net()
     unsure = _percent_above(float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()))
-    misfit = _percent_above(float(smoothed.misfit(x_m=x_m, y_m=y_m).max()))
+    misfit = _percent_above(float(smoothed.mode_misfit(x_m=x_m, y_m=y_m).max()))
     outliers = smoothed.scan.lines[smoothed.outliers].tolist()
     summary = {"largest_force_noise_fraction": noise, "largest_force_error_fraction": error}
     point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
@@ -150,14 +153,14 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
         "notes": [warning.removeprefix("note: ") for warning in smoothed.warnings],
     }
     row |= {} if outliers else {"outliers": ""}
-    row |= {} if smoothed.misfitting else {"misfit of the profile": ""}
-    text = in_lines(row)
+    row |= {} if smoothed.profiles_with_misfit else {"misfit of the profile": ""}
+    text = result_lines(row)
     shown = "; ".join(" ".join(line.split()) for line in text.splitlines())
     return forces, profile_table(smoothed).assign(note=shown), summary, text
 
 
 def _percent_above(error: float) -> str:
-    return percent(100 * rounded_up(error), sign="")
+    return percent(100 * round_up_error(error), sign="")
 
 
 def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:

@@ -1,9 +1,9 @@
 """The paper's figures by their places among a study's results."""
 
 from squeezefilm_workflow.paper.figures import four_factor, patterns, two_factor, vibration
-from squeezefilm_workflow.reporting.figures import Draw, models
+from squeezefilm_workflow.reporting.figures import DrawFunction, models
 
-FIGURES: dict[str, Draw] = {
+FIGURES: dict[str, DrawFunction] = {
     f"figures/{function.__name__}": function
     for function in (
         *(vibration.fig05, vibration.fig06, two_factor.fig07),

@@ -10,7 +10,7 @@ from squeezefilm_workflow.paper.figures.vibration import centre_limit_mm
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.results import Results
 
-_LOOKS: tuple[dict[str, Any], ...] = (
+_MARKER_STYLES: tuple[dict[str, Any], ...] = (
     {"marker": "o", "color": style.BLUE, "markersize": 8, "markerfacecolor": "none"},
     {"marker": "D", "color": style.VERMILLION, "markersize": 4},
 )
@@ -30,7 +30,7 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
         }
     )
     figure, axes = style.subplots()
-    axes.axhline(limit_mm, color=style.VERMILLION, linestyle=style.DASHES, label=label)
+    axes.axhline(limit_mm, color=style.VERMILLION, linestyle=style.DASHED_LINE, label=label)
     look = {"markersize": 5, "markeredgewidth": 0.5}
     parts.dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
     for angle in data["phi_deg"][data["phi_r_mm"] == 0]:
@@ -41,7 +41,7 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
     parts.set_up_positions(axes, data["phi_deg"], margin=1 / 15)
     figure.legend(loc="outside upper center", handlelength=1.8)
     note = f"{len(plan)} simulations at {len(positions)} positions, our assumption."
-    style.add_note(figure, note, results.beyond)
+    style.add_note(figure, note, results.validity_note)
     return figure, data
 
 
@@ -63,12 +63,14 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
     ]
     data = pd.concat(tables, ignore_index=True)
     figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.0)
-    for look, (form, points) in zip(_LOOKS, data.groupby("form", sort=False), strict=True):
+    for look, (form, points) in zip(_MARKER_STYLES, data.groupby("form", sort=False), strict=True):
         for axes, x, y in ((left, "h0_um", "hv_um"), (right, "phi_deg", "phi_r_mm")):
             label = form if axes is left else None
             usual = {"linestyle": "none", "clip_on": False, "zorder": 3}
             axes.plot(points[x], points[y], label=label, **usual, **look)
-            _number(axes, points, x=x, y=y, above=look is _LOOKS[0], colour=look["color"])
+            _write_point_numbers(
+                axes, points, x=x, y=y, above=look is _MARKER_STYLES[0], colour=look["color"]
+            )
     parts.set_up_plane(left, screen)
     left.set_title("(a)")
     radius = 1e3 * float(plan["phi_r_m"].max())
@@ -79,11 +81,13 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
     right.tick_params(axis="x", pad=8)  # marks at radius 0 lie on the axis
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.3)
     note = "Equal numbers in (a) and (b): one point; at radius 0 all angles are the same position."
-    style.add_note(figure, note, results.beyond)
+    style.add_note(figure, note, results.validity_note)
     return figure, data
 
 
-def _number(axes: Axes, points: pd.DataFrame, *, x: str, y: str, above: bool, colour: str) -> None:
+def _write_point_numbers(
+    axes: Axes, points: pd.DataFrame, *, x: str, y: str, above: bool, colour: str
+) -> None:
     """Write the points' numbers, together where points coincide in this projection.
 
     Above a point, or beside it towards the middle: below it the axis may lie.

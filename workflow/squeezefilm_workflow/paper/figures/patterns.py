@@ -9,8 +9,8 @@ from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.results import Results
 
 _COLOURS = (style.BLUE, style.VERMILLION, style.GREEN, style.PURPLE, style.ORANGE)
-_LOOKS = tuple(zip(_COLOURS, "o^sDv", strict=True))
-_TITLES = {
+_COLOUR_AND_MARKER = tuple(zip(_COLOURS, "o^sDv", strict=True))
+_TITLE_OF_SCALING = {
     "unit": "factors scaled to [0, 1]",
     "micrometre": "factors in µm",
     "metre": "factors in m",
@@ -19,7 +19,7 @@ _TITLES = {
 
 def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     """A panel for each scaling of the factors; a triangle of three dots for each search."""
-    summary, screen = results.summary("designs/two_factor.json"), results.scenes("screen")
+    summary, screen = results.read_json_file("designs/two_factor.json"), results.scenes("screen")
     columns = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
     points = parts.in_micrometres(results.table("designs/two_factor_searches.csv", *columns))
     data = points[["scaling", "search", "pattern", "h0_um", "hv_um", "objective"]].sort_values(
@@ -32,17 +32,17 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     for letter, axes, scaling in zip("abcdefgh", panels, scalings, strict=False):
         _draw_design_triangles(axes, data[data["scaling"] == scaling])
         parts.set_up_plane(axes, screen)
-        axes.set_title(f"({letter}) " * wide + _TITLES[scaling])
+        axes.set_title(f"({letter}) " * wide + _TITLE_OF_SCALING[scaling])
         axes.label_outer()
     note = f"{summary['searches']} searches in each unit of the distances in criterion (12)."
-    style.add_note(figure, note, results.beyond)
+    style.add_note(figure, note, results.validity_note)
     return figure, data
 
 
 def _draw_design_triangles(axes: Axes, data: pd.DataFrame) -> None:
     searches = data["search"].nunique()
     for order, (pattern, searches_of_pattern) in enumerate(data.groupby("pattern", sort=True)):
-        colour, marker = _LOOKS[order % len(_LOOKS)]
+        colour, marker = _COLOUR_AND_MARKER[order % len(_COLOUR_AND_MARKER)]
 
         triplets = [
             pd.concat([triplet, triplet.iloc[:1]])
@@ -53,7 +53,7 @@ def _draw_design_triangles(axes: Axes, data: pd.DataFrame) -> None:
             np.column_stack([triplet["hv_um"] for triplet in triplets]),
             color=colour,
             linewidth=0.5,
-            linestyle=style.DASHES if order else "-",
+            linestyle=style.DASHED_LINE if order else "-",
             marker=marker,
             markersize=7 - 2 * min(order, 2),
             markerfacecolor="none" if order == 0 else colour,
@@ -68,21 +68,21 @@ def _draw_design_triangles(axes: Axes, data: pd.DataFrame) -> None:
 
 def fig10(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The first pattern of the study's own scaling."""
-    return _pattern(results, order=0)
+    return _draw_pattern(results, order=0)
 
 
 def fig11(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The second pattern, if the searches ended in one."""
-    return _pattern(results, order=1)
+    return _draw_pattern(results, order=1)
 
 
-def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
+def _draw_pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     """Three dots and the lines of equal hv/h0 through them, along which the model is the same.
 
     Its table has the layers design (the points) and ridge (equal hv/h0 through a point, within the
     space); where there are fewer patterns, the best being of order 0, a row of layer absent.
     """
-    screen, summary = results.scenes("screen"), results.summary("designs/two_factor.json")
+    screen, summary = results.scenes("screen"), results.read_json_file("designs/two_factor.json")
     number, patterns = summary["searches"], summary["scalings"][summary["scaling"]]
     figure, axes = style.subplots()
     parts.set_up_plane(axes, screen, headroom=0.3)
@@ -91,7 +91,7 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
             f"{pattern_row['pattern']} ({pattern_row['count']})" for pattern_row in patterns
         )
         note = f"All {number} searches ended in other patterns: {other_patterns}."
-        style.add_note(figure, note, results.beyond)
+        style.add_note(figure, note, results.validity_note)
         text = "no such pattern:\nall searches ended in the\npatterns shown before"
         axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
         absent = pd.DataFrame([{"layer": "absent"}])
@@ -106,10 +106,10 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
         line.loc[0, "layer"] = "design"
         layers.append(parts.in_micrometres(line.assign(hv_m=epsilon * h0_m)))
         ridge = layers[-1][1:]
-        look = {"color": "0.55", "linestyle": style.DASHES, "linewidth": 0.9}
+        look = {"color": "0.55", "linestyle": style.DASHED_LINE, "linewidth": 0.9}
         axes.plot(ridge["h0_um"], ridge["hv_um"], **look)
     data = pd.concat(layers, ignore_index=True)[["layer", "epsilon", "h0_um", "hv_um"]]
-    design = style.rows(data, "design")
+    design = style.layer_rows(data, "design")
     parts.dots(axes, design, fill="black", markersize=6, zorder=3)
     labels = [
         f"({row.h0_um:.3g}, {row.hv_um:.3g}) µm\n$h_v/h_0$ = {row.epsilon:.3f}"
@@ -117,10 +117,10 @@ def _pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame]:
     ]
     parts.label_points(axes, design, labels=labels)
     count = f"Pattern {pattern['pattern']}: {pattern['count']} of {number} searches."
-    measure = f"force in N, {_TITLES[summary['scaling']]}"
+    measure = f"force in N, {_TITLE_OF_SCALING[summary['scaling']]}"
     note = f"Criterion (12), {measure}: {pattern['objective']:.7g}"
     if order:
         behind = pattern["objective_excess"] / patterns[0]["objective"]
         note += f", {behind:.0e} above A in proportion"
-    style.add_note(figure, count, f"{note}.", "Dashed: hv/h0 as at a point.", results.beyond)
+    style.add_note(figure, count, f"{note}.", "Dashed: hv/h0 as at a point.", results.validity_note)
     return figure, data

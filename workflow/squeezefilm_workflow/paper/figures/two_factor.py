@@ -23,7 +23,7 @@ def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
     parts.set_up_plane(axes, screen)
     gaps, amplitudes = screen["h0_m"].nunique(), screen["hv_m"].nunique()
     note = f"{len(screen)} simulations: {gaps} gaps × {amplitudes} amplitudes."
-    style.add_note(figure, note, results.beyond)
+    style.add_note(figure, note, results.validity_note)
     return figure, data
 
 
@@ -56,7 +56,9 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
         handletextpad=0.4,
     )
     notes = [f"{titles[fit]}, on {parts.error_note(results, fit, 'screen')}." for fit in titles]
-    style.add_note(figure, *notes, simulations_note(results.forces("screen")), results.beyond)
+    style.add_note(
+        figure, *notes, simulations_note(results.forces("screen")), results.validity_note
+    )
     by_design, by_all = tables.values()
     return figure, by_design.assign(
         relative_error_all_percent=by_all["relative_error_percent"], in_band_all=by_all["in_band"]
@@ -68,7 +70,7 @@ def _draw_errors(axes: Axes, data: pd.DataFrame) -> None:
     band = float(data["band_percent"].iloc[0])
     axes.axhspan(-band, band, color="0.94", zorder=0)
     for edge in (-band, band):
-        axes.axhline(edge, color="0.45", linestyle=style.DASHES, linewidth=0.8)
+        axes.axhline(edge, color="0.45", linestyle=style.DASHED_LINE, linewidth=0.8)
     axes.axhline(0, color="0.4", linewidth=0.8)
     gaps = np.sort(data["h0_um"].unique())
     colours = mpl.colormaps["viridis"](np.linspace(0, 0.92, len(gaps)))
@@ -80,7 +82,7 @@ def _draw_errors(axes: Axes, data: pd.DataFrame) -> None:
     for inside, fill in ((True, "white"), (False, "black")):
         parts.dots(axes, data[data["in_band"] == inside], x=x, y=y, fill=fill, **look)
     reach = max(1.25 * band, 1.1 * data[y].abs().max())
-    axes.set(ylim=(-reach, reach), xlabel=parts.PLANE["ylabel"], ylabel="relative error (%)")
+    axes.set(ylim=(-reach, reach), xlabel=parts.PLANE_LABELS["ylabel"], ylabel="relative error (%)")
     look = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom"}
     for edge, sign in ((band, "+"), (-band, "−")):
         axes.text(0.99, edge, f"{sign}{band:g} % ", fontsize=7, **look)

@@ -11,7 +11,7 @@ from squeezefilm.config.study import Study
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.results import Results
 
-DIGITS = {"radius_mm": 9, "x_mm": 9, "y_mm": 9, "amplitude_ratio": 12}
+DECIMALS_OF_COLUMN = {"radius_mm": 9, "x_mm": 9, "y_mm": 9, "amplitude_ratio": 12}
 """Of a table: the last ones differ from machine to machine."""
 
 
@@ -33,7 +33,11 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     if amplitude.min() < 0 < amplitude.max():
         node = axes.contour(x, y, amplitude, levels=[0], colors="white", linewidths=0.7)
         axes.clabel(node, fmt={0: "$h_a = 0$"}, fontsize=6, manual=[(0, float(y.max()))])
-    look: dict[str, Any] = {"color": style.VERMILLION, "linestyle": style.DASHES, "linewidth": 1.4}
+    look: dict[str, Any] = {
+        "color": style.VERMILLION,
+        "linestyle": style.DASHED_LINE,
+        "linewidth": 1.4,
+    }
     axes.plot(circle["x_mm"], circle["y_mm"], label="limit of the pad's centre", **look)
     axes.plot(outline["x_mm"], outline["y_mm"], color="black", label="pad, centred")
     for axis in (axes.xaxis, axes.yaxis):
@@ -46,28 +50,28 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     bar.set_ticks([tick for tick in np.arange(-0.2, 1.01, 0.2) if tick >= levels[0]])
     figure.legend(loc="outside upper center", ncols=2, handlelength=1.8, columnspacing=1.0)
     note = f"The pad's centre may be up to {limit_mm:.2f} mm from the actuator's."
-    style.add_note(figure, note, results.beyond)
-    return figure, data.round(DIGITS)
+    style.add_note(figure, note, results.validity_note)
+    return figure, data.round(DECIMALS_OF_COLUMN)
 
 
 def fig06(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The profile as a mesh in polar coordinates."""
     data = profile_table(results.config, radii=17, angles=49)
     figure = style.new_figure(height_in=3.1)
-    axes = parts.add_space(
+    axes = parts.add_3d_axes(
         figure,
-        bottom=style.add_note(figure, results.beyond),
+        bottom=style.add_note(figure, results.validity_note),
         labels=("$x$ (mm)", "$y$ (mm)", "local amplitude $h_a/h_v$ (–)"),
         azimuth_deg=-60,
     )
     parts.mesh(axes, *_polar_grid(data))
-    return figure, data.assign(layer="surface").round(DIGITS)
+    return figure, data.assign(layer="surface").round(DECIMALS_OF_COLUMN)
 
 
 def _polar_grid(surface: pd.DataFrame) -> list[np.ndarray]:
     """x, y and the amplitude over radius (rows) and angle."""
     return [
-        parts.grid_of(surface, name, x="angle_deg", y="radius_mm")[2]
+        parts.grid_of_table(surface, name, x="angle_deg", y="radius_mm")[2]
         for name in ("x_mm", "y_mm", "amplitude_ratio")
     ]
 

@@ -12,16 +12,16 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.film.positions import columns_as_in, position_form
-from squeezefilm.models.export import source
-from squeezefilm.models.fit_file import FittedModel, fit_of, read_fit
+from squeezefilm.film.positions import columns_in_form, position_form
+from squeezefilm.models.export import source_code
+from squeezefilm.models.fit_file import FittedModel, fit_from_values, read_fit
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
 from squeezefilm_workflow.reporting.notes import inertia
 from squeezefilm_workflow.reporting.pages import render
 from squeezefilm_workflow.reporting.results import Results
 
-FILM = ["h0_m", "hv_m"]
-KINDS = {"_distinct": "distinct points", "_design": "design points"}
+FILM_FACTORS = ["h0_m", "hv_m"]
+KIND_OF_FIT_SUFFIX = {"_distinct": "distinct points", "_design": "design points"}
 """Points that a model is fitted to, by the end of their plan's name."""
 
 
@@ -45,7 +45,7 @@ def explorer_page(
     Raises InputError for a fit that is missing or that the page cannot compute with.
     """
     config, not_available = results.config, {}
-    best = _recommended(results)
+    best = _recommended_models(results)
     models = best | {name: (results.fit(name), name) for name in fits if name not in best}
     for name in candidates:
         path = results.folder / f"models/four_factor/{name}.json"
@@ -54,30 +54,33 @@ def explorer_page(
             not_available[name] = str(values["not_supported"])
         else:
             models.setdefault(
-                f"{name} on four_factor", (fit_of(values, source=path), "four_factor")
+                f"{name} on four_factor", (fit_from_values(values, source=path), "four_factor")
             )
     data = {
-        "fits": [_fit(name, fit, plan, best=name in best) for name, (fit, plan) in models.items()],
+        "fits": [
+            _fit_for_explorer(name, fit, plan, best=name in best)
+            for name, (fit, plan) in models.items()
+        ],
         "not_available": not_available,
         "plans": list(forces),
         "simulations": [
             [index, *row]
             for index, table in enumerate(forces.values())
-            for row in table[[*columns_as_in(FACTOR_COLUMNS, table), "force_n"]].values.tolist()
+            for row in table[[*columns_in_form(FACTOR_COLUMNS, table), "force_n"]].values.tolist()
         ],
         "position": position_form(next(iter(forces.values()))),
         "inertia": inertia(config),
-        "modulation": _modulation(results),
+        "modulation": _modulation_response(results),
         "start": config.extrapolation.model_dump(),
     }
     # In full double precision, and so that no text ends the script it stands in.
     shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
-    code = "\n".join(_code(name, fit) for name, (fit, _) in models.items())
+    code = "\n".join(_model_javascript(name, fit) for name, (fit, _) in models.items())
     texts = {"library": drawing_library, "models": code, "data": shown}
     return render("explorer.html", study=config.study, **texts)
 
 
-def _recommended(results: Results) -> dict[str, tuple[FittedModel, str]]:
+def _recommended_models(results: Results) -> dict[str, tuple[FittedModel, str]]:
     """Return the models that the study recommends and their plans, that of any position first.
 
     Nothing of the paper, whose own models are shown first.
@@ -93,9 +96,9 @@ def _recommended(results: Results) -> dict[str, tuple[FittedModel, str]]:
     return models
 
 
-def _fit(name: str, fit: FittedModel, plan: str, *, best: bool) -> dict[str, Any]:
+def _fit_for_explorer(name: str, fit: FittedModel, plan: str, *, best: bool) -> dict[str, Any]:
     model = fit.force_model
-    kind = next((kind for end, kind in KINDS.items() if plan.endswith(end)), "points")
+    kind = next((kind for end, kind in KIND_OF_FIT_SUFFIX.items() if plan.endswith(end)), "points")
     return {
         "name": name,
         "label": f"{fit.model.replace('_factor', ' factors')}, "
@@ -110,33 +113,34 @@ def _fit(name: str, fit: FittedModel, plan: str, *, best: bool) -> dict[str, Any
     }
 
 
-def _code(name: str, fit: FittedModel) -> str:
+def _model_javascript(name: str, fit: FittedModel) -> str:
     """The model as a script's line that puts it among MODELS."""
-    code = source(fit, "javascript").replace("</", "<\\/")
+    code = source_code(fit, "javascript").replace("</", "<\\/")
     return f"MODELS[{json.dumps(name)}] = (() => {{\n{code}return {fit.model};\n}})();"
 
 
-def _modulation(results: Results) -> dict[str, Any]:
+def _modulation_response(results: Results) -> dict[str, Any]:
     """Return the force's response to a modulated amplitude: films on a grid of gap and amplitude.
 
     From the two tables of ``squeezefilm response`` for the screen. The page shows, at a point, what
     lies between the films around it.
     """
-    response = results.table("simulations/screen/response.csv", *FILM, "status")
-    gains = results.table("simulations/screen/gains.csv", *FILM, "frequency_hz", "gain")
-    by_film: dict[Any, pd.DataFrame] = dict(iter(gains.groupby(FILM)))
+    response = results.table("simulations/screen/response.csv", *FILM_FACTORS, "status")
+    gains = results.table("simulations/screen/gains.csv", *FILM_FACTORS, "frequency_hz", "gain")
+    by_film: dict[Any, pd.DataFrame] = dict(iter(gains.groupby(FILM_FACTORS)))
     films = [
-        {name: row[name] for name in FILM} | _film(row, by_film[row["h0_m"], row["hv_m"]])
+        {name: row[name] for name in FILM_FACTORS}
+        | _film_response(row, by_film[row["h0_m"], row["hv_m"]])
         for row in response.to_dict(orient="records")
     ]
     return {
-        **{name: sorted(set(response[name])) for name in FILM},
+        **{name: sorted(set(response[name])) for name in FILM_FACTORS},
         "frequency_hz": sorted(set(gains["frequency_hz"])),
         "films": films,
     }
 
 
-def _film(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
+def _film_response(row: Mapping[Any, Any], gains: pd.DataFrame) -> dict[str, Any]:
     """One film's numbers, None where a modulation is too fast, or why it has none."""
     if row["status"] != "ok":
         return {"why": row["status"]}

@@ -34,9 +34,9 @@ from squeezefilm_workflow.reporting.figures.overview import overview
 from squeezefilm_workflow.reporting.figures.verification import published, stability, work_precision
 from squeezefilm_workflow.reporting.results import Results
 
-Draw = Callable[[Results], Figure | tuple[Figure, pd.DataFrame]]
+DrawFunction = Callable[[Results], Figure | tuple[Figure, pd.DataFrame]]
 
-FIGURES: dict[str, Draw] = {
+FIGURES: dict[str, DrawFunction] = {
     f"figures/{function.__name__}": function
     for function in (
         *(overview, vibration, profile, forces, fitted_model, design, error_map, amplitudes),
@@ -52,7 +52,7 @@ for _space in ("two_factor", "four_factor"):
     FIGURES[f"refine/{_space}_figure"] = partial(refined, space=_space)
 
 
-def save(function: Draw, results: Results, paths: Sequence[Path]) -> None:
+def save(function: DrawFunction, results: Results, paths: Sequence[Path]) -> None:
     """Draw a figure and save it under each name.
 
     ``.csv`` is the table that it draws, ``.plain.png`` a small picture without texts, for the
@@ -64,18 +64,18 @@ def save(function: Draw, results: Results, paths: Sequence[Path]) -> None:
     plain = [path for path in paths if path.name.endswith(style.PLAIN_SUFFIX)]
     tables = [path for path in paths if path.suffix == ".csv"]
     own = results.config.figures.style
-    with style.settings(file=results.config.path.parent / own if own else None):
-        figure, table = _drawn(function, results)
+    with style.figure_style(file=results.config.path.parent / own if own else None):
+        figure, table = _drawn_figure(function, results)
         style.save(figure, [path for path in paths if path not in (*plain, *tables)])
     for path in tables:
         if table is None:
             raise InputError(f"{path}: a table is drawn by the paper's numbered figures alone")
         write_table(table, path)
     if plain:
-        with style.settings(notes=False):
-            style.save_without_text(_drawn(function, results)[0], plain)
+        with style.figure_style(notes=False):
+            style.save_without_text(_drawn_figure(function, results)[0], plain)
 
 
-def _drawn(function: Draw, results: Results) -> tuple[Figure, pd.DataFrame | None]:
+def _drawn_figure(function: DrawFunction, results: Results) -> tuple[Figure, pd.DataFrame | None]:
     drawn = function(results)
     return drawn if isinstance(drawn, tuple) else (drawn, None)

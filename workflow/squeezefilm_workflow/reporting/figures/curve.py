@@ -20,36 +20,36 @@ from squeezefilm.film.validity import OK
 from squeezefilm_workflow.reporting.figures import parts, style
 
 MARKERS = "os^DvPX*<>ph"
-MOST_LINES = len(MARKERS)
+MAX_CURVE_LINES = len(MARKERS)
 
 
 @dataclass(frozen=True)
-class Result:
+class DrawnResult:
     """A column that is drawn, those of errors of which a bar is the sum, and its factors.
 
     Attributes:
         bounds: columns of the lower and the upper bound of its modelling error.
-        beside: columns that are drawn in panels below, where the table has values of them.
+        other_factors: columns that are drawn in panels below, where the table has values of them.
     """
 
     column: str
     errors: tuple[str, ...]
     factors: tuple[str, ...]
     bounds: tuple[str, ...] = ()
-    beside: tuple[str, ...] = ()
+    other_factors: tuple[str, ...] = ()
 
 
-POSITION = (*CARTESIAN, *POLAR)
-RESULTS = {
-    "load_n": Result(
+POSITION_COLUMNS = (*CARTESIAN, *POLAR)
+RESULT_OF_COLUMN = {
+    "load_n": DrawnResult(
         "h0_m",
         ("h0_error_m", "h0_measurement_noise_m"),
         ("load_n", "hv_m"),
         ("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
         ("stiffness_n_per_m", "resonance_hz"),
     ),
-    "hv_error_95_m": Result("hv_m", ("hv_error_95_m",), ("force_n", "h0_m")),
-    "force_n": Result(
+    "hv_error_95_m": DrawnResult("hv_m", ("hv_error_95_m",), ("force_n", "h0_m")),
+    "force_n": DrawnResult(
         "force_n",
         ("force_error_n", "measurement_noise_n", "misfit_n", "quadrature_n", "error_95_n"),
         ("h0_m", "hv_m"),
@@ -62,28 +62,31 @@ def curve(table: pd.DataFrame) -> Figure:
     """Return a picture of a table's result.
 
     Args:
-        table: factors, a result of RESULTS with its errors, and ``validity`` and ``study``, if any.
+        table: factors, a result of RESULT_OF_COLUMN with its errors, and ``validity`` and
+            ``study``, if any.
 
     Raises InputError for a table without such a result, for a single point, and for more than
-    MOST_LINES lines.
+    MAX_CURVE_LINES lines.
     """
-    result = next((RESULTS[name] for name in RESULTS if name in table), None)
+    result = next((RESULT_OF_COLUMN[name] for name in RESULT_OF_COLUMN if name in table), None)
     if result is None or result.column not in table:
-        raise InputError(f"there is nothing to draw; a table has one of {', '.join(RESULTS)}")
-    factors = [name for name in (*result.factors, *POSITION) if name in table]
+        raise InputError(
+            f"there is nothing to draw; a table has one of {', '.join(RESULT_OF_COLUMN)}"
+        )
+    factors = [name for name in (*result.factors, *POSITION_COLUMNS) if name in table]
     counts = {name: table[name].nunique() for name in factors}
     varied = [name for name in factors if counts[name] > 1]
     known = table[table[result.column].notna()]
     error = known[[name for name in result.errors if name in table]].sum(axis=1)
     known = known.assign(error=error, within=known.get("validity", OK) == OK)
     at_one = [name for name in factors if counts[name] == 1]
-    title = [_equation(name, known[name].iloc[0]) for name in at_one if len(known)]
-    title += [] if {*factors} & {*POSITION} else ["pad centred"]
+    title = [_equation_text(name, known[name].iloc[0]) for name in at_one if len(known)]
+    title += [] if {*factors} & {*POSITION_COLUMNS} else ["pad centred"]
     title += [f"study {name}" for name in table.get("study", pd.Series(dtype=str)).unique()]
     if varied in ([*CARTESIAN], [*POLAR]):
-        figure, *notes = _map(known, result, varied)
+        figure, *notes = _draw_map(known, result, varied)
     else:
-        figure, *notes = _lines(table, known, result, counts, varied)
+        figure, *notes = _draw_lines(table, known, result, counts, varied)
     figure.axes[0].set_title(", ".join(title), fontsize=7)
     if not known["within"].all():
         notes.append("Hollow: outside the limits of validity.")
@@ -93,20 +96,20 @@ def curve(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def _equation(name: str, value: float) -> str:
+def _equation_text(name: str, value: float) -> str:
     column = COLUMNS[name]
-    return f"{column.title.split()[-1]} = {column.shown(value):.4g} {column.shown_unit}"
+    return f"{column.title.split()[-1]} = {column.in_shown_unit(value):.4g} {column.shown_unit}"
 
 
-def _label(name: str) -> str:
+def _axis_label(name: str) -> str:
     column = COLUMNS[name]
     return f"{column.title} ({column.shown_unit or column.unit})"
 
 
-def _lines(
+def _draw_lines(
     table: pd.DataFrame,
     known: pd.DataFrame,
-    result: Result,
+    result: DrawnResult,
     counts: dict[str, int],
     varied: list[str],
 ) -> tuple[Figure, str]:
@@ -114,41 +117,44 @@ def _lines(
     along = max(counts, key=counts.__getitem__)
     others = [name for name in varied if name != along]
     lines = list(known.groupby(others)) if others else [((), known)]
-    if counts[along] < 2 or len(lines) > MOST_LINES:
+    if counts[along] < 2 or len(lines) > MAX_CURVE_LINES:
         what = f"{len(lines)} lines over {counts[along]} points"
-        raise InputError(f"{what}: a curve has 2 points or more, and at most {MOST_LINES} lines")
-    beside = [name for name in result.beside if name in known and known[name].notna().any()]
+        raise InputError(
+            f"{what}: a curve has 2 points or more, and at most {MAX_CURVE_LINES} lines"
+        )
+    beside = [name for name in result.other_factors if name in known and known[name].notna().any()]
     panels = [result.column, *beside]
     figure, all_axes = style.subplots(
         len(panels), 1, height_in=3.0 + 1.6 * len(beside), sharex=True, squeeze=False
     )
     for axes, name in zip(all_axes[:, 0], panels, strict=True):
-        axes.set_ylabel(_label(name))
+        axes.set_ylabel(_axis_label(name))
         axes.grid(True)
-    axes.set_xlabel(_label(along))
+    axes.set_xlabel(_axis_label(along))
     top = all_axes[0, 0]
     colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, len(lines)))
     bounds = [name for name in result.bounds if name in known]
     for (_, rows), colour, marker in zip(lines, colours, cycle(MARKERS)):
         rows = rows.sort_values(along)
-        at = COLUMNS[along].shown(rows[along])
+        at = COLUMNS[along].in_shown_unit(rows[along])
         look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 3}
-        label = ", ".join(_equation(name, rows[name].iloc[0]) for name in others)
+        label = ", ".join(_equation_text(name, rows[name].iloc[0]) for name in others)
         for axes, name in zip(all_axes[:, 0], panels, strict=True):
             column = COLUMNS[name]
             error = rows["error"] if name == result.column else rows[error_column(name)]
-            value = column.shown(rows[name])
-            axes.errorbar(at, value, column.shown(error), **look, label=label)
+            value = column.in_shown_unit(rows[name])
+            axes.errorbar(at, value, column.in_shown_unit(error), **look, label=label)
             outside = ~rows["within"]
             hollow = look | {"linestyle": "", "markerfacecolor": "white", "zorder": 3}
             axes.plot(at[outside], value[outside], **hollow)
             label = ""
         if bounds:
             low, high = (
-                COLUMNS[result.column].shown(rows[result.column] + rows[name]) for name in bounds
+                COLUMNS[result.column].in_shown_unit(rows[result.column] + rows[name])
+                for name in bounds
             )
             top.fill_between(at, low, high, color=colour, alpha=0.2, linewidth=0)
-    missing = COLUMNS[along].shown(table.loc[table[result.column].isna(), along].unique())
+    missing = COLUMNS[along].in_shown_unit(table.loc[table[result.column].isna(), along].unique())
     if len(missing):
         below = {"transform": top.get_xaxis_transform(), "clip_on": False}
         top.plot(missing, np.zeros(len(missing)), "x", color="0.3", **below)
@@ -157,23 +163,23 @@ def _lines(
     return figure, _bars_text(known, result) + (" Bands: modelling error." if bounds else "")
 
 
-def _bars_text(known: pd.DataFrame, result: Result) -> str:
+def _bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
     """Describe the bars of the result, and their largest length."""
     predicted = any("95" in name for name in result.errors if name in known)
     scanned = any(known[name].any() for name in result.errors if "noise" in name and name in known)
     own = "numerical error and scan" if scanned else "numerical error"
     column = COLUMNS[result.column]
-    largest = f"{column.shown(known['error'].max()):.2g} {column.shown_unit}"
+    largest = f"{column.in_shown_unit(known['error'].max()):.2g} {column.shown_unit}"
     return f"Bars: {'prediction error (95 %)' if predicted else own}, at most {largest}."
 
 
-def _map(known: pd.DataFrame, result: Result, position: list[str]) -> tuple[Figure, str]:
+def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> tuple[Figure, str]:
     """The result over the pad's position."""
     at = {name: known[name] for name in position}
     x_m, y_m = (at if position == [*CARTESIAN] else cartesian(**at)).values()
     column = COLUMNS[result.column]
     dots = pd.DataFrame(
-        {"x": 1e3 * x_m, "y": 1e3 * y_m, "value": column.shown(known[result.column])}
+        {"x": 1e3 * x_m, "y": 1e3 * y_m, "value": column.in_shown_unit(known[result.column])}
     )
     dots = dots.assign(within=known["within"]).round({"x": 9, "y": 9}).drop_duplicates(["x", "y"])
     figure, axes = style.subplots(height_in=3.2)
@@ -183,7 +189,9 @@ def _map(known: pd.DataFrame, result: Result, position: list[str]) -> tuple[Figu
         raise InputError("the positions lie on a line, or are fewer than three: no map") from None
     for within, fill in ((True, "black"), (False, "white")):
         parts.dots(axes, dots[dots["within"] == within], fill=fill, x="x", y="y", markersize=2.6)
-    axes.set(aspect="equal", xlabel=_label("x_m"), ylabel=_label("y_m"))
-    figure.colorbar(drawn, ax=axes, shrink=0.8, pad=0.02, format="%g", label=_label(result.column))
-    error = f"Largest error: {column.shown(known['error'].max()):.2g} {column.shown_unit}."
+    axes.set(aspect="equal", xlabel=_axis_label("x_m"), ylabel=_axis_label("y_m"))
+    figure.colorbar(
+        drawn, ax=axes, shrink=0.8, pad=0.02, format="%g", label=_axis_label(result.column)
+    )
+    error = f"Largest error: {column.in_shown_unit(known['error'].max()):.2g} {column.shown_unit}."
     return figure, f"{error} Colours: interpolated linearly between dots."

@@ -13,36 +13,36 @@ from squeezefilm.film.positions import position_form
 from squeezefilm.formatting import label_of
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import percent, reynolds_limit, signed
-from squeezefilm_workflow.reporting.results import MODELLING_ERROR, Results
+from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
 
-EFFECTS = {
+COLOUR_OF_EFFECT = {
     "inertia": style.BLUE,
     "slip": style.VERMILLION,
     "thermal": style.ORANGE,
     "edge_loss": style.GREEN,
     "total": style.GREY,
 }
-EDGE_FRACTION = 0.04
+MAP_EDGE_FRACTION = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
 LABEL_HEIGHT_FRACTION = 0.065
 """Height of a label, as a share of the axes."""
-COLOURS = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE)
-MOST_ERROR = 0.03
+LINE_COLOURS = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE)
+MAX_RESPONSE_ERROR = 0.03
 """Of a gain that is drawn."""
-MOST_REYNOLDS = reynolds_limit("inertia neglected").not_above
+MAX_VALID_REYNOLDS = reynolds_limit("inertia neglected").not_above
 
 
 def error_budget(results: Results) -> Figure:
     """A map for each effect and for their sum, and lines over the position."""
-    screen = _budgets(results, "screen")
-    positions = _budgets(results, "four_factor")
+    screen = _budgets_of_plan(results, "screen")
+    positions = _budgets_of_plan(results, "four_factor")
     largest = positions["hv_um"] / positions["h0_um"]
     along = positions[largest >= largest.max() * (1 - 1e-9)]
     figure, grid = style.subplots(2, 3, wide=True, height_in=4.3)
     *panels, last = grid.flat
-    for letter, axes, (name, colour) in zip("abcde", panels, EFFECTS.items(), strict=True):
+    for letter, axes, (name, colour) in zip("abcde", panels, COLOUR_OF_EFFECT.items(), strict=True):
         look: dict[str, Any] = {"colors": colour, "linestyles": "solid"}
-        look["levels"] = _inner_levels(screen[f"{name}_percent"])
+        look["levels"] = _contour_levels(screen[f"{name}_percent"])
         title = f"({letter}) {_panel_title(screen['included_effects'], name)} (%)"
         _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
         axes.title.set_fontsize(7)
@@ -50,7 +50,7 @@ def error_budget(results: Results) -> Figure:
     first = "Differences of solved forces; total: middle of the interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
     notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
-    style.add_note(figure, *notes, results.beyond)
+    style.add_note(figure, *notes, results.validity_note)
     return figure
 
 
@@ -63,19 +63,19 @@ def _panel_title(included_effects: pd.Series, name: str) -> str:
     return f"{label_of(name)}, {state}"
 
 
-def _budgets(results: Results, plan: str) -> pd.DataFrame:
+def _budgets_of_plan(results: Results, plan: str) -> pd.DataFrame:
     table = results.budget(plan)
     lengths = [name for name in position_form(table) if name.endswith("_m")]
     return parts.in_micrometres(table).assign(
         **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
-        total_percent=table[MODELLING_ERROR].mean(axis="columns", skipna=False),
+        total_percent=table[MODELLING_ERROR_COLUMNS].mean(axis="columns", skipna=False),
     )
 
 
-def _inner_levels(values: pd.Series) -> list[float]:
+def _contour_levels(values: pd.Series) -> list[float]:
     """Levels of contours with room for them between the least and the largest value."""
     low, high = values.min(), values.max()
-    edge = EDGE_FRACTION * (high - low)
+    edge = MAP_EDGE_FRACTION * (high - low)
     ticks = MaxNLocator(nbins=8).tick_values(low, high) if len(values.dropna()) else []
     return [level for level in ticks if low + edge <= level <= high - edge] or [low]
 
@@ -101,7 +101,7 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     full |= {"linestyle": "none"} if scattered else {}
     for look, chosen in lines:
         along = rows[chosen].drop_duplicates(place)
-        for name, colour in EFFECTS.items():
+        for name, colour in COLOUR_OF_EFFECT.items():
             values = along[f"{name}_percent"]
             axes.plot(along[place], values, color=colour, **look)
             if look is full and np.isfinite(values.iloc[-1]):
@@ -137,7 +137,7 @@ def response(results: Results) -> Figure:
     maps = parts.in_micrometres(table)
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
     lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
-    lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MOST_ERROR)]
+    lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MAX_RESPONSE_ERROR)]
     figure, ((corner, prompt), (gain, phase)) = style.subplots(2, 2, wide=True, height_in=4.6)
     _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
     _draw_map(prompt, maps, "instantaneous_percent", "(b) fraction present at start (%)")
@@ -152,7 +152,7 @@ def response(results: Results) -> Figure:
     if len(unknown):
         reason = unknown.iloc[0].split(" (")[0]
         notes.append(f"Not available for {len(unknown)} of {len(maps)} films: {reason}.")
-    style.add_note(figure, *notes, results.beyond)
+    style.add_note(figure, *notes, results.validity_note)
     return figure
 
 
@@ -160,9 +160,9 @@ def _draw_map(
     axes: Axes, maps: pd.DataFrame, name: str, title: str, *, form: Any = "%.4g", **look: Any
 ) -> None:
     """Contour lines of a quantity of the films; numbers where lines would have no room."""
-    grid = parts.grid_of(maps, name)
-    axes.set(**parts.PLANE, title=title)
-    parts.show_grid(axes, grid)
+    grid = parts.grid_of_table(maps, name)
+    axes.set(**parts.PLANE_LABELS, title=title)
+    parts.limit_axes_to_grid(axes, grid)
     known = maps[maps[name].notna()]
     if known.empty:
         parts.write_not_known(axes)
@@ -189,7 +189,7 @@ def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
     axes.set(xscale="log", xlabel="frequency of modulation (Hz)")
     axes.grid(True)
     chosen = dict.fromkeys(gaps[index] for index in (0, len(gaps) // 2, -1))
-    for gap, colour in zip(chosen, COLOURS, strict=False):
+    for gap, colour in zip(chosen, LINE_COLOURS, strict=False):
         line = lines[lines["h0_um"] == gap].sort_values("frequency_hz")
         axes.plot(line["frequency_hz"], line[name], color=colour, label=f"{gap:.3g} µm")
     if name == "gain":
@@ -204,9 +204,9 @@ def levitation(results: Results) -> Figure:
     figure, (gap, stiffness) = style.subplots(1, 2, wide=True, height_in=2.6)
     gap.axhspan(screen["h0_um"].min(), screen["h0_um"].max(), color="0.92", zorder=0)
     amplitudes = sorted(data["hv_um"].unique())
-    for amplitude, colour in zip(amplitudes, COLOURS, strict=False):
+    for amplitude, colour in zip(amplitudes, LINE_COLOURS, strict=False):
         rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")
-        within = rows["modified_reynolds"] <= MOST_REYNOLDS
+        within = rows["modified_reynolds"] <= MAX_VALID_REYNOLDS
         label = f"$h_v$ = {amplitude:.3g} µm"
         for axes, name in ((gap, "h0_um"), (stiffness, "stiffness_n_per_um")):
             axes.plot(rows["load_n"], rows[name], color=colour, label=label)
@@ -219,8 +219,8 @@ def levitation(results: Results) -> Figure:
     stiffness.set(title="(b) stiffness", ylabel="stiffness (N/µm)")
     for axes in (gap, stiffness):
         axes.set(xscale="log", yscale="log", xlabel="load (N)")
-        style.plain_numbers(axes.xaxis)
-        style.plain_numbers(axes.yaxis)
+        style.set_plain_log_ticks(axes.xaxis)
+        style.set_plain_log_ticks(axes.yaxis)
         axes.grid(True)
     stiffness.legend(fontsize=6)
     known = table[table["h0_m"].notna()]
@@ -231,7 +231,7 @@ def levitation(results: Results) -> Figure:
     marks = "Dotted: contact, beyond the last load; grey: gaps of the study"
     if len(amplitudes) < (levels := screen["hv_um"].nunique()):
         marks = f"{len(amplitudes)} of the screen's {levels} amplitudes. {marks}"
-    if (known["modified_reynolds"] > MOST_REYNOLDS).any():
-        marks += f"; hollow: Re above {MOST_REYNOLDS:g}"
-    style.add_note(figure, f"{note}.", f"{marks}.", results.beyond)
+    if (known["modified_reynolds"] > MAX_VALID_REYNOLDS).any():
+        marks += f"; hollow: Re above {MAX_VALID_REYNOLDS:g}"
+    style.add_note(figure, f"{note}.", f"{marks}.", results.validity_note)
     return figure

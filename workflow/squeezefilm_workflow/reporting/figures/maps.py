@@ -16,9 +16,9 @@ from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import percent, signed, simulations_note
 from squeezefilm_workflow.reporting.results import Results
 
-DECADE_RATIO = 10.0
+LOGARITHMIC_SCALE_RATIO = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
-FEW_POINTS = 100
+MAX_POINTS_WITH_MARKERS = 100
 """Simulations of a map, at most, that are drawn as dots."""
 MARKER_OF_STATUS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
 """Of positions: whether a model has an amplitude there, and whether it is validated."""
@@ -38,13 +38,13 @@ def error_map(results: Results) -> Figure:
     parts.label_contours(axes, lines, partial(signed, digits=3))
     look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
     parts.dots(axes, design, fill="black", markersize=6, label="design point", **look)
-    axes.set(**parts.PLANE)
+    axes.set(**parts.PLANE_LABELS)
     figure.colorbar(filled, ax=axes, pad=0.02, label="relative error (%)")
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.4)
     simulated = results.forces("error_map")
     notes = parts.interpolation_note(simulated), simulations_note(simulated)
     note = parts.error_note(results, "two_factor_design", "error_map")
-    style.add_note(figure, f"Fit on the design; on {note}.", *notes, results.beyond)
+    style.add_note(figure, f"Fit on the design; on {note}.", *notes, results.validity_note)
     return figure
 
 
@@ -52,9 +52,9 @@ def forces(results: Results) -> Figure:
     """Mean force with the pad centred over gap and amplitude; the target force is a thick line."""
     rows = parts.plane_table(results.forces("error_map"), layer="map")
     target_n = results.config.extrapolation.force_n
-    grid = parts.grid_of(rows, "force_n")
+    grid = parts.grid_of_table(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
-    wide = low > 0 and high > DECADE_RATIO * low
+    wide = low > 0 and high > LOGARITHMIC_SCALE_RATIO * low
     ends = (low / 3, 3 * high) if wide else (low, high)
     ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
     levels = np.asarray(ticks.tick_values(*ends))
@@ -65,10 +65,10 @@ def forces(results: Results) -> Figure:
     norm = "log" if wide else None
     drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm)
     axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
-    if len(rows) <= FEW_POINTS:
+    if len(rows) <= MAX_POINTS_WITH_MARKERS:
         parts.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
-    parts.show_grid(axes, grid)
-    axes.set(**parts.PLANE)
+    parts.limit_axes_to_grid(axes, grid)
+    axes.set(**parts.PLANE_LABELS)
     bar = figure.colorbar(drawn, ax=axes, pad=0.02, format="%g", label="mean force (N)")
     bar.ax.minorticks_off()
     if low < target_n < high:
@@ -76,7 +76,7 @@ def forces(results: Results) -> Figure:
         axes.plot([], [], "k", linewidth=2.0, label=f"target force, {target_n:g} N")
         figure.legend(loc="outside upper center")
     notes = parts.interpolation_note(rows), simulations_note(results.forces("error_map"))
-    style.add_note(figure, *notes, results.beyond)
+    style.add_note(figure, *notes, results.validity_note)
     return figure
 
 
@@ -105,7 +105,7 @@ def amplitudes(results: Results) -> Figure:
         look |= {"marker": MARKER_OF_STATUS[str(mark)], "label": mark}
         dots = parts.coloured_dots(axes, rows_marked, "hv_um", **look)
     if known.any():
-        figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE["ylabel"])
+        figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE_LABELS["ylabel"])
     axes.margins(0.15)
     axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="pad's centre, $y$ (mm)")
     axes.grid(True)
@@ -113,14 +113,16 @@ def amplitudes(results: Results) -> Figure:
     first = table.iloc[0]
     where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
     errors = f"Largest error of the model: {percent(float(first['worst_error']))}."
-    style.add_note(figure, f"By {first['model']} for {where}.", errors, results.beyond)
+    style.add_note(figure, f"By {first['model']} for {where}.", errors, results.validity_note)
     return figure
 
 
 def vibration(results: Results) -> Figure:
     """Vibration over the surface as a fraction of its maximum, with its sign, and the pad."""
     surface, pad = results.config.actuator.surface, results.config.read_pad()
-    x_m, y_m = np.meshgrid(*(np.linspace(-half, half, MAP_LINES) for half in surface.half_m))
+    x_m, y_m = np.meshgrid(
+        *(np.linspace(-half, half, MAP_LINES) for half in surface.half_extents_m)
+    )
     s = results.config.read_profile().amplitude(x_m=x_m, y_m=y_m)
     s = np.clip(np.abs(s) if np.iscomplexobj(s) else s, -1.0, 1.0)
     figure, axes = style.subplots(height_in=3.2)
@@ -140,21 +142,21 @@ def vibration(results: Results) -> Figure:
     figure.legend(loc="outside upper center")
     note = "Colours: interpolated linearly between computed points."
     sign = " Negative: opposite phase; thin line: no vibration." if signed_profile else ""
-    style.add_note(figure, f"Surface: {surface.text}.{sign}", note, results.beyond)
+    style.add_note(figure, f"Surface: {surface.text}.{sign}", note, results.validity_note)
     return figure
 
 
 def profile(results: Results) -> Figure:
     """Amplitude and residual, over the distance from the centre of a disc, or as maps."""
     data = results.table("figures/profile.csv", *PROFILE_COLUMNS)
-    noise = results.summary("profile/summary.json").get("largest_force_noise_fraction")
+    noise = results.read_json_file("profile/summary.json").get("largest_force_noise_fraction")
     note = (
         f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
     )
-    return profile_of(data, note, results.beyond)
+    return draw_profile_table(data, note, results.validity_note)
 
 
-def profile_of(data: pd.DataFrame, *notes: str) -> Figure:
+def draw_profile_table(data: pd.DataFrame, *notes: str) -> Figure:
     """The same of a table that ``squeezefilm profile`` wrote."""
     figure, (amplitude, residual) = style.subplots(1, 2, wide=True, height_in=3.0)
     residual.set_title("(b) residuals")
@@ -168,9 +170,9 @@ def profile_of(data: pd.DataFrame, *notes: str) -> Figure:
 
 def _draw_profile(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
     """The profile's contours with the points' amplitudes; the points' residuals."""
-    grid = parts.grid_of(style.rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
-    points, noise = style.rows(data, "points"), float(data["noise_um"].iloc[0])
-    outliers = style.rows(data, "outliers")
+    grid = parts.grid_of_table(style.layer_rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
+    points, noise = style.layer_rows(data, "points"), float(data["noise_um"].iloc[0])
+    outliers = style.layer_rows(data, "outliers")
     largest = float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max()))
     levels = MaxNLocator(nbins=16, symmetric=True).tick_values(-largest, largest)
     largest_residual = float(max(3 * noise, points["residual_um"].abs().max()))
@@ -189,15 +191,15 @@ def _draw_profile(figure: Figure, amplitude: Axes, residual: Axes, data: pd.Data
             x, y = outliers["x_mm"], outliers["y_mm"]
             axes.plot(x, y, "x", color=style.VERMILLION, label=count)
             axes.legend(loc="upper right")
-        parts.show_grid(axes, grid)
+        parts.limit_axes_to_grid(axes, grid)
         axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
         figure.colorbar(drawn, ax=axes, orientation="horizontal", shrink=0.9, label=label)
 
 
 def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
     """Amplitude and residual over the distance from the centre; outliers beyond at the edge."""
-    profile, noise = style.rows(data, "profile"), float(data["noise_um"].iloc[0])
-    fitted = style.rows(data, "points")
+    profile, noise = style.layer_rows(data, "profile"), float(data["noise_um"].iloc[0])
+    fitted = style.layer_rows(data, "points")
     largest = max(fitted["amplitude_um"].abs().max(), profile["profile_max_um"].abs().max())
     reach = max(3.5 * noise, 1.3 * float(fitted["residual_um"].abs().max()))
     for axes, column, limit in (
@@ -205,7 +207,7 @@ def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> No
         (residual, "residual_um", reach),
     ):
         for layer, colour in (("points", style.BLUE), ("outliers", style.VERMILLION)):
-            points = style.rows(data, layer)
+            points = style.layer_rows(data, layer)
             if len(points):
                 x, y, label = points["r_mm"], points[column], f"{layer} ({len(points)})"
                 inside = y.clip(-limit, limit)

@@ -8,9 +8,14 @@ from squeezefilm.film.validity import OK
 from squeezefilm_workflow.reporting.figures import style
 from squeezefilm_workflow.reporting.results import Results
 
-MODELLING: dict[str, Any] = {"color": style.ORANGE, "linewidth": 4, "alpha": 0.5}
-NUMERICAL: dict[str, Any] = {"color": "black", "fmt": "none", "capsize": 2.5, "elinewidth": 0.8}
-MEASURED: dict[str, Any] = {"color": style.BLUE, "fmt": "o", "ms": 3}
+MODELLING_ERROR_STYLE: dict[str, Any] = {"color": style.ORANGE, "linewidth": 4, "alpha": 0.5}
+NUMERICAL_ERROR_STYLE: dict[str, Any] = {
+    "color": "black",
+    "fmt": "none",
+    "capsize": 2.5,
+    "elinewidth": 0.8,
+}
+MEASURED_STYLE: dict[str, Any] = {"color": style.BLUE, "fmt": "o", "ms": 3}
 
 
 def measurements(results: Results) -> Figure:
@@ -23,19 +28,23 @@ def measurements(results: Results) -> Figure:
     error = data["force_error_n"] + data["profile_uncertainty_n"]
     figure, (left, right) = style.subplots(1, 2, wide=True, height_in=3.2)
     left.axline((0, 0), slope=1, color=style.GREY, linewidth=0.6)
-    left.hlines(measured, *(force + each for each in bounds), **MODELLING)
-    left.errorbar(force, measured, xerr=error, **NUMERICAL)
-    left.errorbar(force, measured, uncertainty, **MEASURED)
+    left.hlines(measured, *(force + each for each in bounds), **MODELLING_ERROR_STYLE)
+    left.errorbar(force, measured, xerr=error, **NUMERICAL_ERROR_STYLE)
+    left.errorbar(force, measured, uncertainty, **MEASURED_STYLE)
     left.set(ylabel="measured force (N)", title="(a) measured and computed")
     right.axhline(0, color=style.GREY, linewidth=0.6)
-    right.vlines(force, *(1e3 * each for each in bounds), **MODELLING, label="modelling error")
-    right.errorbar(force, 0 * force, 1e3 * error, **NUMERICAL, label="numerical error, mode shape")
-    right.errorbar(force, residual, 1e3 * uncertainty, **MEASURED, label="measurement")
+    right.vlines(
+        force, *(1e3 * each for each in bounds), **MODELLING_ERROR_STYLE, label="modelling error"
+    )
+    right.errorbar(
+        force, 0 * force, 1e3 * error, **NUMERICAL_ERROR_STYLE, label="numerical error, mode shape"
+    )
+    right.errorbar(force, residual, 1e3 * uncertainty, **MEASURED_STYLE, label="measurement")
     right.set(ylabel="measured − computed force (mN)", title="(b) residuals")
     figure.legend(*right.get_legend_handles_labels(), loc="outside upper center", ncols=3)
     for panel in (left, right):
         panel.set_xlabel("computed force (N)")
         panel.grid(True)
-    verdict = results.summary("measurements/summary.json")["verdict"]
-    style.add_note(figure, f"χ² test: {verdict}.", results.beyond)
+    verdict = results.read_json_file("measurements/summary.json")["verdict"]
+    style.add_note(figure, f"χ² test: {verdict}.", results.validity_note)
     return figure

@@ -13,7 +13,7 @@ from squeezefilm.models.data import factors_of
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import ERROR_MAP_COLUMNS, ROUND_COLUMNS
 from squeezefilm_workflow.reporting.figures import parts, style
-from squeezefilm_workflow.reporting.notes import VERDICTS, percent, simulations_note
+from squeezefilm_workflow.reporting.notes import TEXT_OF_REFINE_VERDICT, percent, simulations_note
 from squeezefilm_workflow.reporting.results import Results
 
 STYLE_OF_LAYER: dict[str, dict[str, Any]] = {
@@ -22,17 +22,17 @@ STYLE_OF_LAYER: dict[str, dict[str, Any]] = {
     "design": {"color": "black", "label": "design point", "s": 26},
 }
 """Looks of simulations beside a model's mesh."""
-PANELS_IN_ROW = 4
+PANELS_PER_ROW = 4
 DECADES_SHOWN = 5
 CONTOUR_LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
-LARGEST_DOT = 140
+MAX_DOT_SIZE = 140
 """Area in points² of a design point with all the weight."""
-PLANES = {
-    "gap": (("h0_um", "hv_um"), parts.PLANE),
+AXES_OF_PLANE = {
+    "gap": (("h0_um", "hv_um"), parts.PLANE_LABELS),
     "position": (("x_mm", "y_mm"), {"xlabel": "pad x (mm)", "ylabel": "pad y (mm)"}),
 }
 """Layers of a design's sensitivity; their columns and labels."""
-LINEAR_FRACTION = 0.02
+LINEAR_SCALE_FRACTION = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
 
 
@@ -52,7 +52,7 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
     data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
     figure, axes = style.subplots()
     label = f"screen, {len(screen)} points"
-    white = style.rows(data, "screen")
+    white = style.layer_rows(data, "screen")
     parts.dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
     label = f"optimal design, {len(optimal)} points"
     parts.dots(axes, points, fill="black", markersize=6, label=label)
@@ -60,7 +60,7 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
     parts.label_points(axes, points, labels=points["label"])
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
     note = "Letters: a point's locally optimal patterns; +: added by augmentation."
-    style.add_note(figure, note, results.beyond)
+    style.add_note(figure, note, results.validity_note)
     return figure, data
 
 
@@ -71,8 +71,8 @@ def model_and_points(
     tables = [parts.model_mesh(fit, results.scenes("screen"))]
     forces = [results.forces(plan) for plan in plans.values()]
     figure = style.new_figure(height_in=3.1)
-    notes = (note, simulations_note(*forces), results.beyond)
-    axes = parts.add_space(figure, bottom=style.add_note(figure, *notes))
+    notes = (note, simulations_note(*forces), results.validity_note)
+    axes = parts.add_3d_axes(figure, bottom=style.add_note(figure, *notes))
     parts.force_mesh(axes, tables[0])
     for layer, simulated in zip(plans, forces, strict=True):
         tables.append(parts.plane_table(simulated, layer=layer))
@@ -81,7 +81,7 @@ def model_and_points(
     return figure, pd.concat(tables, ignore_index=True)
 
 
-def _without_anything(text: str) -> Figure:
+def _text_only_figure(text: str) -> Figure:
     """Return a figure that shows a text alone."""
     figure = style.new_figure(wide=True, height_in=1.0)
     figure.text(0.5, 0.6, text, ha="center")
@@ -93,10 +93,10 @@ def model_errors(results: Results, space: str) -> Figure:
     table = results.table(f"models/{space}.csv", "model", "parameters", "validation_error")
     judged = table.dropna(subset="validation_error").sort_values("validation_error", kind="stable")
     if judged.empty:
-        return _without_anything("no model has an error on these points")
+        return _text_only_figure("no model has an error on these points")
     data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
     data = parts.in_micrometres(data).assign(size=100 * data["relative_error"].abs())
-    across = min(PANELS_IN_ROW, len(judged))
+    across = min(PANELS_PER_ROW, len(judged))
     down = ceil(len(judged) / across)
     figure = style.new_figure(wide=True, height_in=0.5 + 1.85 * down)
     panels = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
@@ -110,14 +110,14 @@ def model_errors(results: Results, space: str) -> Figure:
         share = percent(model["validation_error"])
         axes.set_title(f"{model['model']} ({model['parameters']:.0f})\n{share}", fontsize=7)
         lowest_of_column = number >= len(judged) - across
-        axes.set(**parts.PLANE)
+        axes.set(**parts.PLANE_LABELS)
         axes.yaxis.label.set_visible(number % across == 0)
         axes.xaxis.label.set_visible(lowest_of_column)
         axes.tick_params(labelsize=6, labelbottom=lowest_of_column)
     label = "|relative error| (%)"
     figure.colorbar(dots, ax=list(panels), pad=0.02, extend="min", label=label)
     note = "One dot a simulation; above each panel: number of parameters, global error."
-    style.add_note(figure, note, results.beyond)
+    style.add_note(figure, note, results.validity_note)
     return figure
 
 
@@ -126,7 +126,7 @@ def sensitivity(results: Results, space: str) -> Figure:
     data = results.table(f"designs/optimal_{space}_sensitivity.csv", "layer", "sensitivity")
     moved = bool((data["layer"] == "position").any())
     figure, (panels,) = style.subplots(1, 1 + moved, wide=moved, height_in=3.2, squeeze=False)
-    for axes, (layer, (names, labels)) in zip(panels, PLANES.items(), strict=False):
+    for axes, (layer, (names, labels)) in zip(panels, AXES_OF_PLANE.items(), strict=False):
         colours = _draw_sensitivity(axes, data, layer, names)
         axes.set(**labels)
     figure.colorbar(colours, ax=list(panels), pad=0.02, label="sensitivity d/p (–)")
@@ -134,12 +134,12 @@ def sensitivity(results: Results, space: str) -> Figure:
         "Circles: design points, their area the weight. Colours: interpolated linearly.",
         "The design is optimal where d/p nowhere exceeds 1.",
     )
-    style.add_note(figure, *notes, results.beyond)
+    style.add_note(figure, *notes, results.validity_note)
     return figure
 
 
 def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[str, str]) -> Any:
-    rows, points = style.rows(data, layer), style.rows(data, "design")
+    rows, points = style.layer_rows(data, layer), style.layer_rows(data, "design")
     x, y, level = (rows[name].to_numpy(dtype=float) for name in (*names, "sensitivity"))
     shading: dict[str, Any] = {"cmap": style.SEQUENTIAL, "vmin": 0.0, "vmax": 1.0}
     colours = axes.tripcolor(x, y, level, shading="gouraud", rasterized=True, **shading)
@@ -149,7 +149,7 @@ def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[s
         parts.label_contours(axes, lines, "{:g}".format)
     *place, weight = (points[name].to_numpy(dtype=float) for name in (*names, "weight"))
     look: dict[str, Any] = {"edgecolor": style.VERMILLION, "linewidths": 1.4, "clip_on": False}
-    axes.scatter(place[0], place[1], LARGEST_DOT * weight, facecolor="none", zorder=3, **look)
+    axes.scatter(place[0], place[1], MAX_DOT_SIZE * weight, facecolor="none", zorder=3, **look)
     return colours
 
 
@@ -158,9 +158,11 @@ def refined(results: Results, space: str) -> Figure:
     table = results.table(f"refine/{space}.csv", "model", "verdict", "simulations")
     table = table[table["verdict"] != "not supported"]
     if table.empty:
-        return _without_anything("no model of this space was refined")
+        return _text_only_figure("no model of this space was refined")
     simulated = {
-        model: _places(results.table(f"refine/{space}/{model}/forces.csv", "h0_m", "hv_m"))
+        model: _factors_in_figure_units(
+            results.table(f"refine/{space}/{model}/forces.csv", "h0_m", "hv_m")
+        )
         for model in table["model"]
     }
     moved = any(bool(places["x_mm"].abs().max() > 0) for places in simulated.values())
@@ -168,15 +170,17 @@ def refined(results: Results, space: str) -> Figure:
     panels = figure.subplots(len(table), 2 + moved, squeeze=False)
     for row, (_, model) in zip(panels, table.iterrows(), strict=True):
         folder = f"refine/{space}/{model['model']}"
-        verdict = results.summary(f"{folder}/verdict.json")
+        verdict = results.read_json_file(f"{folder}/verdict.json")
         rounds = results.table(f"{folder}/rounds.csv", *ROUND_COLUMNS)
         _draw_rounds(row[0], rounds, required=verdict["required"], truth=model)
-        row[0].set_title(f"{model['model']}: {VERDICTS[model['verdict']]}")
-        sample = style.rows(results.table(f"{folder}/where.csv", *ERROR_MAP_COLUMNS), "sample")
+        row[0].set_title(f"{model['model']}: {TEXT_OF_REFINE_VERDICT[model['verdict']]}")
+        sample = style.layer_rows(
+            results.table(f"{folder}/where.csv", *ERROR_MAP_COLUMNS), "sample"
+        )
         error_percent = 100 * sample["error_n"].astype(float) / verdict["mean_force_n"]
-        places = _places(sample).assign(error_percent=error_percent)
+        places = _factors_in_figure_units(sample).assign(error_percent=error_percent)
         points = simulated[model["model"]]
-        for axes, (names, labels) in zip(row[1:], PLANES.values(), strict=False):
+        for axes, (names, labels) in zip(row[1:], AXES_OF_PLANE.values(), strict=False):
             dots = _draw_errors(axes, places, points, *names)
             axes.set(**labels)
         bar = figure.colorbar(dots, ax=row[-1], pad=0.02, label="error (%)")
@@ -184,11 +188,11 @@ def refined(results: Results, space: str) -> Figure:
     shown = dict(zip(*reversed(panels[0][0].get_legend_handles_labels()), strict=True))
     figure.legend(shown.values(), shown, loc="outside upper center", ncols=4, handletextpad=0.4)
     notes = "Bars: 95 % limits of the global error.", "Circles in maps: fitted simulations."
-    style.add_note(figure, *notes, results.beyond)
+    style.add_note(figure, *notes, results.validity_note)
     return figure
 
 
-def _places(table: pd.DataFrame) -> pd.DataFrame:
+def _factors_in_figure_units(table: pd.DataFrame) -> pd.DataFrame:
     """The table with the four factors in the figures' units."""
     at = factors_of(table)
     return parts.in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
@@ -223,7 +227,9 @@ def _draw_errors(axes: Axes, sample: pd.DataFrame, simulated: pd.DataFrame, x: s
     sample = sample.sort_values("error_percent", key=np.abs)
     top = max(float(sample["error_percent"].abs().max()), 1e-12)
     # Linear up to a power of ten, so that the ticks keep apart.
-    norm = SymLogNorm(linthresh=10 ** np.ceil(np.log10(LINEAR_FRACTION * top)), vmin=-top, vmax=top)
+    norm = SymLogNorm(
+        linthresh=10 ** np.ceil(np.log10(LINEAR_SCALE_FRACTION * top)), vmin=-top, vmax=top
+    )
     look: dict[str, Any] = {"norm": norm, "cmap": style.DIVERGING, "s": 6}
     dots = parts.coloured_dots(axes, sample, "error_percent", x=x, y=y, **look)
     axes.plot(simulated[x], simulated[y], "o", mfc="none", mec="black", mew=0.6, markersize=4)

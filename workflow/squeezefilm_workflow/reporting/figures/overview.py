@@ -14,16 +14,16 @@ from squeezefilm_workflow.reporting.results import Results
 
 FILM_COLUMNS = ("phase_deg", "x_mm", "surface_um", "pad_um", "gauge_pressure_kpa")
 # Two rows: on a phone, letters are as large as those of the text around.
-STEP_LEFT, STEP_WIDTH = (0.13, 0.62, 0.13, 0.62), (0.33, 0.36, 0.33, 0.2)
+PANEL_LEFT, PANEL_WIDTH = (0.13, 0.62, 0.13, 0.62), (0.33, 0.36, 0.33, 0.2)
 """Left edge and width of each step's axes, as shares of the figure's width."""
-HEADING = 0.095
+HEADING_HEIGHT = 0.095
 """Height of a step's heading, and in the row's bottom that of labels, as shares of the figure's."""
-LABELS = 0.08
-Rectangle = tuple[float, float, float, float]
+LABELS_HEIGHT = 0.08
+PanelRectangle = tuple[float, float, float, float]
 """Left, bottom, width and height, as shares of the figure's."""
 LABEL_SIZE, TICK_SIZE = 6.5, 6
-DOTS: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
-PLANE = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
+DOT_STYLE: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
+PLANE_LABELS = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
 
 
 def overview(results: Results) -> Figure:
@@ -52,29 +52,31 @@ def overview(results: Results) -> Figure:
         "3: screen (white), D-optimal points (black). 4: error of the model fitted to the black "
         f"points, interpolated linearly; thick line, if any: ±{100 * errors['band']:g} %."
     )
-    below = style.add_note(figure, note, results.beyond)
+    below = style.add_note(figure, note, results.validity_note)
     row_height = (1 - below) / 2
-    bottoms = [below + row_height + LABELS] * 2 + [below + LABELS] * 2
-    height = row_height - LABELS - HEADING
+    bottoms = [below + row_height + LABELS_HEIGHT] * 2 + [below + LABELS_HEIGHT] * 2
+    height = row_height - LABELS_HEIGHT - HEADING_HEIGHT
     look: dict[str, Any] = {"ha": "center", "va": "top"}
-    places = zip(STEP_LEFT, bottoms, STEP_WIDTH, [height] * 4, strict=True)
+    places = zip(PANEL_LEFT, bottoms, PANEL_WIDTH, [height] * 4, strict=True)
     first, second, third, fourth = rectangles = [*places]
     for order, (place, step) in enumerate(zip(rectangles, captions, strict=True), start=1):
-        middle, top = (0.27, 0.77)[order % 2 == 0], place[1] + height + HEADING - 0.01
+        middle, top = (0.27, 0.77)[order % 2 == 0], place[1] + height + HEADING_HEIGHT - 0.01
         figure.text(middle, top, f"{order}  {step}", fontsize=8, weight="bold", **look)
         figure.text(middle, top - 0.031, captions[step], fontsize=LABEL_SIZE, color="0.25", **look)
     points, few = (parts.plane_table(table, layer="") for table in (screen, design))
-    _film(figure, film, first)
-    _model(figure, parts.model_mesh(fit, screen), points, second)
+    _draw_film(figure, film, first)
+    _draw_model(figure, parts.model_mesh(fit, screen), points, second)
     axes = figure.add_axes(third)
-    parts.dots(axes, points, fill="white", **DOTS | {"markeredgecolor": "0.55", "markersize": 2.6})
-    parts.dots(axes, few, fill="black", **DOTS, markersize=6)
+    parts.dots(
+        axes, points, fill="white", **DOT_STYLE | {"markeredgecolor": "0.55", "markersize": 2.6}
+    )
+    parts.dots(axes, few, fill="black", **DOT_STYLE, markersize=6)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
-    _label(axes, *PLANE)
+    _label_axes(axes, *PLANE_LABELS)
     axes = figure.add_axes(fourth)
     filled, _ = parts.error_contours(axes, results, bins=12, colors="0.3", linewidths=0.3)
-    parts.dots(axes, few, fill="black", **DOTS, markersize=4.5)
-    _label(axes, *PLANE)
+    parts.dots(axes, few, fill="black", **DOT_STYLE, markersize=4.5)
+    _label_axes(axes, *PLANE_LABELS)
     box = axes.get_position()
     bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.015, box.y0, 0.018, box.height)))
     bar.ax.tick_params(labelsize=TICK_SIZE, direction="out", pad=1, length=2)
@@ -82,7 +84,7 @@ def overview(results: Results) -> Figure:
     return figure
 
 
-def _curves(axes: Axes, film: pd.DataFrame, column: str) -> None:
+def _draw_curves(axes: Axes, film: pd.DataFrame, column: str) -> None:
     """One line for each time of the period, red while the surface is up."""
     highest = film["surface_um"].abs().max()
     for _, row in film.groupby("phase_deg"):
@@ -93,26 +95,26 @@ def _curves(axes: Axes, film: pd.DataFrame, column: str) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
 
 
-def _label(axes: Axes, x: str, y: str) -> None:
+def _label_axes(axes: Axes, x: str, y: str) -> None:
     axes.set_xlabel(x, fontsize=LABEL_SIZE)
     axes.set_ylabel(y, fontsize=LABEL_SIZE, labelpad=1)
     axes.tick_params(labelsize=TICK_SIZE)
 
 
-def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
+def _draw_film(figure: Figure, film: pd.DataFrame, rectangle: PanelRectangle) -> None:
     """Above, the pressure at times of the period and its mean, if it is known; below, the gap."""
     left, bottom, width, height = rectangle
     if film["gauge_pressure_kpa"].notna().all():
         height = (height - 0.04) / 2
         above = figure.add_axes((left, bottom + height + 0.04, width, height))
-        _curves(above, film, "gauge_pressure_kpa")
+        _draw_curves(above, film, "gauge_pressure_kpa")
         mean = film.groupby("x_mm", as_index=False)["gauge_pressure_kpa"].mean()
         above.plot(mean["x_mm"], mean["gauge_pressure_kpa"], color="black", linewidth=1.6)
         above.axhline(0, color="0.5", linewidth=0.4)
         above.tick_params(labelbottom=False)
-        _label(above, "", "p − p₀ (kPa)")
+        _label_axes(above, "", "p − p₀ (kPa)")
     below = figure.add_axes((left, bottom, width, height))
-    _curves(below, film, "surface_um")
+    _draw_curves(below, film, "surface_um")
     pad = film.groupby("x_mm")["pad_um"].mean()
     lowest = film.groupby("x_mm")["surface_um"].min()
     top = 1.35 * pad.max()
@@ -123,13 +125,15 @@ def _film(figure: Figure, film: pd.DataFrame, rectangle: Rectangle) -> None:
     below.text(0, (pad.max() + top) / 2, "pad", **look)
     below.text(0, pad.min() * 0.73, "gas film", **look)
     below.set_ylim(-1.3 * film["surface_um"].abs().max(), top)
-    _label(below, "position under the pad (mm)", "height (µm)")
+    _label_axes(below, "position under the pad (mm)", "height (µm)")
 
 
-def _model(figure: Figure, model: pd.DataFrame, points: pd.DataFrame, rectangle: Rectangle) -> None:
+def _draw_model(
+    figure: Figure, model: pd.DataFrame, points: pd.DataFrame, rectangle: PanelRectangle
+) -> None:
     """The model's mesh and the simulations, without room for the name of the force's axis."""
     labels = (r"$h_0$ (µm)", r"$h_v$ (µm)", "")
-    axes = parts.add_space(figure, labels=labels, pads=(-9, -4), ticks=3)
+    axes = parts.add_3d_axes(figure, labels=labels, pads=(-9, -4), ticks=3)
     left, bottom, width, height = rectangle
     axes.set_position((left - 0.04, bottom - 0.07, width + 0.02, height + 0.09))
     axes.set_box_aspect((1.15, 1.15, 0.9), zoom=1.12)

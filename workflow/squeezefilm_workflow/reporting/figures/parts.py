@@ -21,7 +21,7 @@ from squeezefilm_workflow.reporting.figures import style
 from squeezefilm_workflow.reporting.notes import percent, signed
 from squeezefilm_workflow.reporting.results import Results
 
-PLANE = {"xlabel": r"mean gap $h_0$ (µm)", "ylabel": r"amplitude $h_v$ (µm)"}
+PLANE_LABELS = {"xlabel": r"mean gap $h_0$ (µm)", "ylabel": r"amplitude $h_v$ (µm)"}
 """Labels of a plane: gap to the right, amplitude upwards."""
 LABEL_MARGINS = (0.035, 0.02)
 """Between the labels of contours and the rim of the axes, fractions of the axes."""
@@ -84,7 +84,7 @@ def set_up_plane(axes: Axes, screen: pd.DataFrame, *, headroom: float = 0.15) ->
 
     headroom is the room above the space, as a share of its height.
     """
-    axes.set(**PLANE)
+    axes.set(**PLANE_LABELS)
     for set_limits, name, below, above in (
         (axes.set_xlim, "h0_m", 0.1, 0.1),
         (axes.set_ylim, "hv_m", 0.13, headroom),
@@ -119,13 +119,13 @@ def coloured_dots(
     return axes.scatter(data[x], data[y], c=data[value], **{"linewidths": 0} | look)
 
 
-def grid_of(data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um") -> Any:
+def grid_of_table(data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um") -> Any:
     """x, y and the values over them (rows along y) of a table that is a grid."""
     table = data.pivot(index=y, columns=x, values=value)
     return table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
 
 
-def show_grid(axes: Axes, grid: Any) -> None:
+def limit_axes_to_grid(axes: Axes, grid: Any) -> None:
     """Limit the axes to a grid (see grid_of)."""
     axes.set(xlim=grid[0][[0, -1]], ylim=grid[1][[0, -1]])
 
@@ -153,12 +153,12 @@ def error_contours(
     the band is a thick line, with its value and for a legend, where the error reaches it.
     """
     data = error_table(results, "two_factor_design", "error_map", layer="map")
-    grid = grid_of(data, "relative_error_percent")
+    grid = grid_of_table(data, "relative_error_percent")
     reach = float(np.abs(grid[2]).max())
     levels = MaxNLocator(nbins=bins, symmetric=True).tick_values(-reach, reach)
-    show_grid(axes, grid)
+    limit_axes_to_grid(axes, grid)
     axes.set_yscale("log")
-    style.plain_numbers(axes.yaxis, at=ticks)
+    style.set_plain_log_ticks(axes.yaxis, at=ticks)
     axes.yaxis.set_minor_locator(NullLocator())
     filled = axes.contourf(*grid, levels=levels, cmap=style.DIVERGING)
     drawn = axes.contour(*grid, levels=levels, linestyles="solid", **lines)
@@ -196,11 +196,11 @@ def label_points(axes: Axes, data: pd.DataFrame, *, labels: Iterable[str]) -> No
         annotate_at(axes, label, (h0_um, hv_um), (right, up), **look)
 
 
-def add_space(
+def add_3d_axes(
     figure: Figure,
     *,
     bottom: float = 0.0,
-    labels: Sequence[str] = (*PLANE.values(), "mean force $F$ (N)"),
+    labels: Sequence[str] = (*PLANE_LABELS.values(), "mean force $F$ (N)"),
     azimuth_deg: float = -132,
     pads: tuple[float, float] = (-5, -2),
     ticks: int = 5,
@@ -240,7 +240,7 @@ def mesh(axes: Axes3D, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> None:
 
 def force_mesh(axes: Axes3D, data: pd.DataFrame) -> None:
     """Draw a grid of rows h0_um, hv_um, force_n as a mesh."""
-    hv, h0, force = grid_of(data, "force_n", x="hv_um", y="h0_um")
+    hv, h0, force = grid_of_table(data, "force_n", x="hv_um", y="h0_um")
     x, y = np.meshgrid(h0, hv, indexing="ij")
     mesh(axes, x, y, force)
 

@@ -18,7 +18,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from squeezefilm.errors import InputError
-from squeezefilm.files import read_text, whole_file
+from squeezefilm.files import atomic_file, read_text
 
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
@@ -30,7 +30,7 @@ PLAIN_SUFFIX = ".plain.png"
 # Okabe and Ito's colours, told apart with every common colour vision.
 BLUE, VERMILLION, GREEN, ORANGE, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7"
 GREY = "#6E6E6E"
-DASHES = (0, (4, 2))
+DASHED_LINE = (0, (4, 2))
 SEQUENTIAL = "viridis"
 DIVERGING = "PuOr_r"
 
@@ -42,7 +42,7 @@ _NOTE_INDENT_IN = 0.05
 
 # DejaVu comes with matplotlib, so figures are the same on every machine; a viewer of the SVG that
 # lacks it falls back to narrower fonts, which still fit.
-_SETTINGS: dict[str, Any] = {
+_MATPLOTLIB_SETTINGS: dict[str, Any] = {
     "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "Helvetica"],
     "font.size": 8,
     "axes.labelsize": 8,
@@ -94,13 +94,13 @@ def read_style(file: Path) -> dict[Any, Any]:
 
 
 @contextmanager
-def settings(*, notes: bool = True, file: Path | None = None) -> Iterator[None]:
+def figure_style(*, notes: bool = True, file: Path | None = None) -> Iterator[None]:
     """The style, as a context in which figures are drawn and saved, with their notes or without.
 
     Args:
         file: a style file of matplotlib, whose settings are used beside those here.
     """
-    chosen: dict[Any, Any] = dict(mpl.rcParamsDefault) | _SETTINGS
+    chosen: dict[Any, Any] = dict(mpl.rcParamsDefault) | _MATPLOTLIB_SETTINGS
     chosen |= (read_style(file) if file else {}) | {"backend": "agg"}
     token = _with_notes.set(notes)
     with mpl.rc_context(chosen):
@@ -138,14 +138,14 @@ def add_note(figure: Figure, *lines: str) -> float:
     return taken
 
 
-def plain_numbers(axis: Axis, *, at: Sequence[float] = (1, 2, 5)) -> None:
+def set_plain_log_ticks(axis: Axis, *, at: Sequence[float] = (1, 2, 5)) -> None:
     """A logarithmic axis with plain numbers at these places of each decade."""
     axis.set_major_locator(LogLocator(subs=at))
     axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
 
 
-def rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
+def layer_rows(data: pd.DataFrame, layer: str) -> pd.DataFrame:
     """The rows of one layer, in the table's order."""
     return data[data["layer"] == layer]
 
@@ -182,6 +182,6 @@ def save(figure: Figure, paths: Iterable[Path | str], *, dpi: float = PNG_DPI) -
     """Save in the formats that the names ask for, byte for byte the same each time."""
     freeze_layout(figure)
     for path in map(Path, paths):
-        with whole_file(path) as part:
+        with atomic_file(path) as part:
             kind = path.suffix.removeprefix(".")
             figure.savefig(part, format=kind, dpi=dpi, metadata=_NO_METADATA[path.suffix])

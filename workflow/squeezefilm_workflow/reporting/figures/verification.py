@@ -25,7 +25,7 @@ STYLE_OF_METHOD = {
 """Colour, marker and line of each method."""
 MARKER_OF_VERDICT = {"solved": "o", "unchecked": "D", "not supported": "s", "failed": "X"}
 EPSILON_TICKS = (0.001, 0.1, 0.5, 0.9, 0.99)
-LARGEST_EPSILON = 0.998
+MAX_EPSILON = 0.998
 DOT_OFFSET = 0.25
 """Of films in one place, in decades of σ."""
 PAD_OFFSET = 0.09
@@ -41,7 +41,7 @@ def stability(results: Results) -> Figure:
     moving = data["modified_reynolds"] > 0
     thermal = data["terms"].str.contains("thermal effects")
     pad_offset = np.where(data["case"].str.startswith("disc"), -PAD_OFFSET, PAD_OFFSET) * thermal
-    shown = _films(left, data[~moving].assign(x=data["epsilon"].clip(upper=LARGEST_EPSILON)))
+    shown = _draw_films(left, data[~moving].assign(x=data["epsilon"].clip(upper=MAX_EPSILON)))
     left.set(xscale="logit", xlabel="excursion ratio ε (–)")
     left.set_xticks(EPSILON_TICKS, [f"{tick:g}" for tick in EPSILON_TICKS])
     left.set(xlim=(4e-4, 0.9988), ylabel="squeeze number σ (–)", title="(a) without inertia")
@@ -50,7 +50,7 @@ def stability(results: Results) -> Figure:
         (middle, data[moving & ~thermal], (0.2, 120), "(b) inertia"),
         (right, data[thermal], (0.05, 40), "(c) thermal effects"),
     ):
-        _films(panel, films)
+        _draw_films(panel, films)
         panel.set(xscale="log", xlim=limits, xlabel="Re (–)", title=title)
     label = "largest deviation over the allowed one (–)"
     figure.colorbar(shown, ax=(left, middle, right), pad=0.01, aspect=40, label=label)
@@ -66,7 +66,7 @@ def stability(results: Results) -> Figure:
     return figure
 
 
-def _films(axes: Axes, films: pd.DataFrame) -> PathCollection:
+def _draw_films(axes: Axes, films: pd.DataFrame) -> PathCollection:
     """Draw a dot per film, coloured by its worst deviation, coincident ones apart."""
     positions = films.groupby(["x", "sigma"])
     rank = positions.cumcount() - (positions["x"].transform("size") - 1) / 2

@@ -26,9 +26,9 @@ from squeezefilm_workflow.verification.films import PISTON, film
 from squeezefilm_workflow.verification.published import slider
 from squeezefilm_workflow.verification.published.linear_film import (
     VISCOUS,
-    depth_averaged,
+    depth_averaged_factors,
     disc_response,
-    exact_flow,
+    exact_factors,
     piston_response,
     radial_pressure,
 )
@@ -38,17 +38,17 @@ PUBLISHED_FOLDER = Path(__file__).parent
 SMALL_EPSILON = 1e-4
 """ε of a linear film: what is left of the next order is 2e-8 of the first harmonic."""
 # ANSYS Mechanical APDL Verification Manual, VM245: damping in N s/m, stiffness in N/m.
-DAMPING, STIFFNESS = 15.29e-3, 28.65e3
+DAMPING_N_S_PER_M, STIFFNESS_N_PER_M = 15.29e-3, 28.65e3
 # Air of the finite elements (DisplacementPressure_Space.py): density, sound speed, viscosity, γ,
 # heat capacity, conductivity, in SI units.
 AIR = {"density": 1.18, "sound": 345.9, "viscosity": 1.83e-5, "gamma": 1.4}
-AIR_PA = AIR["density"] * AIR["sound"] ** 2 / AIR["gamma"]
+AIR_PRESSURE_PA = AIR["density"] * AIR["sound"] ** 2 / AIR["gamma"]
 AIR_PRANDTL = AIR["viscosity"] * 1005 / 24.4e-3
 # Distances from the hole's edge, in gaps, at which the pressure is prescribed: flow around the
 # edge, which no film equation has, has decayed at the second.
-RADIAL_DISTANCES, RADIAL_QUANTITY = (0, 2), "p(r), given {} gaps from the hole"
+HOLE_DISTANCES_IN_GAPS, RADIAL_PRESSURE_TEXT = (0, 2), "p(r), given {} gaps from the hole"
 REYNOLDS_VALUES, SIGMA_VALUES = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
-SAMPLE_VALUES = (4.0,), (1.0, 100.0)
+SAMPLE_REYNOLDS_AND_SIGMA = (4.0,), (1.0, 100.0)
 RESPONSE_OF_SHAPE: dict[str, Any] = {"rectangle": piston_response, "ellipse": disc_response}
 # Relative error of the solver's first harmonic against its own equation's.
 HARMONIC_TOLERANCE = 1e-6
@@ -71,18 +71,18 @@ Row = dict[str, Any]
 
 def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
     """All comparisons; of depth averaging a small sample, if asked for."""
-    reynolds, sigma = SAMPLE_VALUES if sample else (REYNOLDS_VALUES, SIGMA_VALUES)
+    reynolds, sigma = SAMPLE_REYNOLDS_AND_SIGMA if sample else (REYNOLDS_VALUES, SIGMA_VALUES)
     rows = [
-        *plate(device),
-        *inclined_slider(device),
-        *rarefied_gas(),
-        *radial_films(),
-        *depth_averaging(reynolds, sigma, device),
+        *compare_plate(device),
+        *compare_inclined_slider(device),
+        *compare_rarefied_flow(),
+        *compare_radial_films(),
+        *compare_depth_averaging(reynolds, sigma, device),
     ]
-    return tabulated(rows)
+    return table_of_rows(rows)
 
 
-def tabulated(rows: Iterable[Row]) -> pd.DataFrame:
+def table_of_rows(rows: Iterable[Row]) -> pd.DataFrame:
     """Rows as a table, NaN where a kind of value or deviation does not exist.
 
     Deviations are those of a row's numbers where nothing else is given. ``status`` is ``ok``, or
@@ -97,27 +97,27 @@ def tabulated(rows: Iterable[Row]) -> pd.DataFrame:
     return table.fillna({"status": "ok"})
 
 
-def plate(device: Device | None = None) -> Iterator[Row]:
+def compare_plate(device: Device | None = None) -> Iterator[Row]:
     """Linear damping and stiffness of a plate of 2 mm by 1 mm over a gap of 5 µm at 100 kHz."""
     gas = Gas(viscosity_pa_s=18.3e-6, ambient_pressure_pa=1e5, inertia="none", thermal="none")
     pad, h0_m = Pad(2e-3, 1e-3, 0.0), 5e-6
     scene = Film(gas, Actuator(1e5, 1.0, profile=PISTON), pad).scene(h0_m, SMALL_EPSILON * h0_m)
     response = scene.force_scale_n / h0_m * piston_response(scene.sigma, scene.aspect)
     rate = scene.actuator.angular_frequency_rad_per_s
-    (outputs,) = _quantities([scene], "harmonics", tolerance=1e-6, device=device)
-    row = partial(_valued, source="ANSYS VM245", case="plate, 100 kHz", sigma=scene.sigma)
-    yield row("damping / (N s/m)", DAMPING, response.imag / rate, outputs["film_damping"])
-    yield row("stiffness / (N/m)", STIFFNESS, response.real, outputs["film_stiffness"])
+    (outputs,) = _solved_quantities([scene], "harmonics", tolerance=1e-6, device=device)
+    row = partial(_value_row, source="ANSYS VM245", case="plate, 100 kHz", sigma=scene.sigma)
+    yield row("damping / (N s/m)", DAMPING_N_S_PER_M, response.imag / rate, outputs["film_damping"])
+    yield row("stiffness / (N/m)", STIFFNESS_N_PER_M, response.real, outputs["film_stiffness"])
 
 
-def inclined_slider(device: Device | None = None) -> Iterator[Row]:
+def compare_inclined_slider(device: Device | None = None) -> Iterator[Row]:
     """Largest pressure, load and centre of pressure of a wide slider with a gap ratio of 6.6."""
     (wide_m, narrow_m), length_m = SLIDER_GAPS_M, SLIDER_LENGTH_M
     gas = Gas(viscosity_pa_s=1.846e-5, inertia="none", thermal="none")
     pads = [Pad(length_m, w, 50.0, gap=GapShape(narrow_m - wide_m)) for w in SLIDER_WIDTHS_M]
     films = [Film(gas, Actuator(1e3, 1.0, profile=PISTON), pad) for pad in pads]
     scenes = [film.scene((wide_m + narrow_m) / 2, 0.0) for film in films]
-    one, other = _quantities(scenes, "moments", "extremes", tolerance=1e-7, device=device)
+    one, other = _solved_quantities(scenes, "moments", "extremes", tolerance=1e-7, device=device)
     p0_pa, force_n = gas.ambient_pressure_pa, other["force"] - one["force"]
     ours = (
         1 + other["gauge_pressure_max"] / p0_pa,
@@ -128,30 +128,33 @@ def inclined_slider(device: Device | None = None) -> Iterator[Row]:
     cells = slider.slider_of_cells(stored["x"].to_numpy(), stored["pressure_pa"].to_numpy() / p0_pa)
     names = "largest pressure / p0", "load / (p0 area)", "centre of pressure / length"
     for numbers in zip(names, cells, slider.exact_slider(scenes[1]), ours, strict=True):
-        yield _valued(*numbers, source="hans (Holey)", case="inclined slider, Λ 54.66")
+        yield _value_row(*numbers, source="hans (Holey)", case="inclined slider, Λ 54.66")
 
 
-def rarefied_gas() -> Iterator[Row]:
+def compare_rarefied_flow() -> Iterator[Row]:
     """Poiseuille flow of a rarefied gas; the solver's is what its flow factor interpolates."""
-    row = partial(_valued, "Poiseuille flow", source="cmlair (CML Berkeley)")
+    row = partial(_value_row, "Poiseuille flow", source="cmlair (CML Berkeley)")
     for inverse, flow in RAREFIED_FLOW.items():
         ours = inverse / 6 + float(slip_flow(inverse))
         yield row(flow, poiseuille_flow(inverse), ours, case=f"rarefied gas, D {inverse:g}")
 
 
-def radial_films() -> Iterator[Row]:
+def compare_radial_films() -> Iterator[Row]:
     """Pressure behind membranes and plates around a hole, their motion and one pressure given."""
     stored = pd.read_csv(PUBLISHED_FOLDER / "radial_films.csv", comment="#")
     for _, nodes in stored.groupby(["plate", "gap_m", "frequency_hz"]):
         kind, frequency_hz, hole_m, gap_m = nodes.iloc[0, :4]
         omega, viscosity = 2 * pi * frequency_hz, AIR["viscosity"]
         reynolds = AIR["density"] * omega * gap_m**2 / viscosity
-        squeeze = 12 * viscosity * omega / (AIR_PA * gap_m**2)
-        resolved = exact_flow(reynolds, prandtl=AIR_PRANDTL, heat_capacity_ratio=AIR["gamma"])
-        for distance in RADIAL_DISTANCES:
+        squeeze = 12 * viscosity * omega / (AIR_PRESSURE_PA * gap_m**2)
+        resolved = exact_factors(reynolds, prandtl=AIR_PRANDTL, heat_capacity_ratio=AIR["gamma"])
+        for distance in HOLE_DISTANCES_IN_GAPS:
             away = nodes["r_m"] >= hole_m * (1 - 1e-9) + distance * gap_m
             r_m, xi_real, xi_imag, p_real, p_imag = nodes.loc[away, "r_m":].to_numpy().T
-            pressure, motion = (p_real + 1j * p_imag) / AIR_PA, (xi_real + 1j * xi_imag) / gap_m
+            pressure, motion = (
+                (p_real + 1j * p_imag) / AIR_PRESSURE_PA,
+                (xi_real + 1j * xi_imag) / gap_m,
+            )
             pressures = [
                 radial_pressure(r_m, motion, pressure[0], squeeze=squeeze, factors=factors)
                 for factors in (resolved, VISCOUS)
@@ -161,14 +164,14 @@ def radial_films() -> Iterator[Row]:
             yield dict(
                 source="Honzík et al.",
                 case=f"{kind}, {1e6 * gap_m:.0f} µm, {1e-3 * frequency_hz:.0f} kHz",
-                quantity=RADIAL_QUANTITY.format(distance),
+                quantity=RADIAL_PRESSURE_TEXT.format(distance),
                 modified_reynolds=reynolds,
                 exact_deviation=deviation[0],
                 viscous_deviation=deviation[1],
             )
 
 
-def depth_averaging(
+def compare_depth_averaging(
     reynolds: Sequence[float], sigma: Sequence[float], device: Device | None = None
 ) -> Iterator[Row]:
     """First harmonic of a piston's force by the solver, with inertia, then thermal effects too.
@@ -180,7 +183,7 @@ def depth_averaging(
         scene = film("", SMALL_EPSILON, s, profile=PISTON, reynolds=re, shape=shape)
         scene, response, status = scene.with_gas(thermal=thermal), RESPONSE_OF_SHAPE[shape], "ok"
         try:
-            (outputs,) = _quantities([scene], "harmonics", tolerance=1e-5, device=device)
+            (outputs,) = _solved_quantities([scene], "harmonics", tolerance=1e-5, device=device)
         except RunError as error:
             status = str(error)
             if not status.startswith("not converged: "):
@@ -190,10 +193,10 @@ def depth_averaging(
         ours = force / (scene.force_scale_n * scene.epsilon)
         prandtl = scene.gas.prandtl if thermal == "included" else 0.0
         gas = {"prandtl": prandtl, "heat_capacity_ratio": scene.gas.heat_capacity_ratio}
-        parabolic = response(s, factors=depth_averaged(re, **gas))
+        parabolic = response(s, factors=depth_averaged_factors(re, **gas))
         if abs(ours / parabolic - 1) >= HARMONIC_TOLERANCE:
             raise RunError(f"first harmonic at Re {re:g}, σ {s:g}: {ours:.9g}, not {parabolic:.9g}")
-        resolved = response(s, factors=exact_flow(re, **gas))
+        resolved = response(s, factors=exact_factors(re, **gas))
         yield dict(
             source="depth averaging",
             case="disc: " * (shape == "ellipse")
@@ -209,11 +212,11 @@ def depth_averaging(
         )
 
 
-def _valued(quantity: str, published: float, exact: float, solver: float, **row: Any) -> Row:
+def _value_row(quantity: str, published: float, exact: float, solver: float, **row: Any) -> Row:
     return dict(quantity=quantity, published=published, exact=exact, solver=solver, **row)
 
 
-def _quantities(
+def _solved_quantities(
     scenes: Sequence[Scene], *outputs: str, tolerance: float, device: Device | None
 ) -> list[dict[str, float]]:
     """The mean force, ``force``, and outputs of each scene; raises RunError where there is none."""

@@ -21,21 +21,21 @@ from scipy.special import ive
 
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
-WAVE_COUNT = 2000
+SERIES_WAVE_COUNT = 2000
 """Of a piston's motion along a side: what is cut off is 1e-11 of the force."""
 
 
-class Factors(NamedTuple):
+class FilmFactors(NamedTuple):
     """A of the flow and B of the density; both are 1 without inertia and thermal effects."""
 
     flow: complex = 1.0
     density: complex = 1.0
 
 
-VISCOUS = Factors()
+VISCOUS = FilmFactors()
 
 
-def exact_flow(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> Factors:
+def exact_factors(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> FilmFactors:
     """A and B with the exact profiles, Re = ρ0 ω h0²/μ above 0; Pr = 0 for an isothermal gas."""
 
     def mean(q: complex) -> complex:
@@ -43,19 +43,21 @@ def exact_flow(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -
 
     inertia, thermal = 1j * reynolds, 1j * prandtl * reynolds
     warming = (1 - 1 / heat_capacity_ratio) * mean(np.sqrt(thermal) / 2)
-    return Factors(12 / inertia * mean(np.sqrt(inertia) / 2), 1 - warming)
+    return FilmFactors(12 / inertia * mean(np.sqrt(inertia) / 2), 1 - warming)
 
 
-def depth_averaged(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> Factors:
+def depth_averaged_factors(
+    reynolds: float, *, prandtl: float, heat_capacity_ratio: float
+) -> FilmFactors:
     """A and B of the solver's parabolic profiles (docs: inertia and thermal effects)."""
     inertia, thermal = 1j * reynolds, 1j * prandtl * reynolds
-    return Factors(
+    return FilmFactors(
         1 / (1 + inertia / 10),
         1 - (1 - 1 / heat_capacity_ratio) * thermal / 12 / (1 + thermal / 10),
     )
 
 
-def piston_response(sigma: float, aspect: float = 1.0, factors: Factors = VISCOUS) -> complex:
+def piston_response(sigma: float, aspect: float = 1.0, factors: FilmFactors = VISCOUS) -> complex:
     """S + iD of a rectangular piston, whose force is −p0 A ε (S sin T + D cos T).
 
     Blech's double series (J. Lubr. Technol. 105, 1983) with the factors, summed along the second
@@ -65,14 +67,14 @@ def piston_response(sigma: float, aspect: float = 1.0, factors: Factors = VISCOU
 
     b being the aspect; they fall as 1/m⁴.
     """
-    m = np.arange(1, WAVE_COUNT, 2)
+    m = np.arange(1, SERIES_WAVE_COUNT, 2)
     q = np.sqrt((pi * m) ** 2 + 1j * sigma * factors.density / factors.flow)
     half = q * aspect / 2
     parts = 8 / (pi * m) ** 2 * (1j * sigma / (factors.flow * q**2)) * (1 - np.tanh(half) / half)
     return complex(parts.sum())
 
 
-def disc_response(sigma: float, factors: Factors = VISCOUS) -> complex:
+def disc_response(sigma: float, factors: FilmFactors = VISCOUS) -> complex:
     """S + iD of a circular piston, as ``piston_response``; σ is of the diameter.
 
     The pressure is a Bessel function, 1 − I0(2 κ r)/I0(κ) over −B with κ² = iσB/(4A), r up to 1/2.
@@ -83,7 +85,7 @@ def disc_response(sigma: float, factors: Factors = VISCOUS) -> complex:
 
 
 def radial_pressure(
-    r: np.ndarray, motion: np.ndarray, edge: complex, *, squeeze: complex, factors: Factors
+    r: np.ndarray, motion: np.ndarray, edge: complex, *, squeeze: complex, factors: FilmFactors
 ) -> np.ndarray:
     """p(r)/p0 of a film around a hole, prescribed at r[0], that is closed at r[-1].
 
