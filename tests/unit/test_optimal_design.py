@@ -1,6 +1,6 @@
 """Designs with known answers, and certificates that hold for any design."""
 
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pandas as pd
@@ -9,7 +9,13 @@ import yaml
 from reference_forces import SCREEN_THETA
 
 from squeezefilm.cli.main import main
-from squeezefilm.designs.optimal import exchange, maximin_design, optimal_in_box, optimal_weights
+from squeezefilm.designs.optimal import (
+    exchange,
+    maximin_design,
+    optimal_in_box,
+    optimal_weights,
+    sensitivity,
+)
 from squeezefilm.designs.paper_design import Criterion, search_design
 from squeezefilm.designs.space import Space
 from squeezefilm.errors import InputError
@@ -54,6 +60,24 @@ def test_known_designs_are_found_off_the_grid(gradients, limits, points):
     assert design.efficiency_bound > 1 - 1e-7
     found = search_design(Criterion(gradients, space), len(points), seed=1)
     np.testing.assert_allclose(np.sort(found.points[:, 0]), points, atol=1e-5 * span)
+
+
+@pytest.mark.parametrize("factors", [1, 2])
+@pytest.mark.parametrize("degree", [2, 3, 4, 5, 6])
+def test_a_certificate_holds_between_the_candidates(degree, factors):
+    """Of degree 4 on 8 levels 1.000 was stated and 0.943 true: a climb left its hill."""
+    space = Space({name: (-1.0, 1.0) for name in ("x", "y")[:factors]})
+    orders = [order for order in product(range(degree + 1), repeat=factors) if sum(order) <= degree]
+
+    def gradients(points: np.ndarray) -> np.ndarray:
+        return np.prod(points[:, None] ** np.array(orders), axis=-1)
+
+    dense = gradients(space.levels(20001 if factors == 1 else 301))
+    for levels in range(degree + 2, 26, 3 if factors == 1 else 8):
+        design = optimal_in_box(gradients, space, space.levels(levels), gap=1e-6)
+        largest = sensitivity(gradients(design.points), dense, weights=design.weights).max()
+        assert design.efficiency_bound <= 1 / largest + 1e-9, levels
+        assert design.efficiency_bound > 1 - 1e-5
 
 
 def test_the_maximin_design_is_best_for_the_worst_vector():

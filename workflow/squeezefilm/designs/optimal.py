@@ -27,6 +27,7 @@ ends in local maxima, and no certificate holds for it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -34,7 +35,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import qr
 from scipy.optimize import minimize
+from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
+from scipy.stats import qmc
 
 from squeezefilm.designs.space import Array, Space
 from squeezefilm.errors import InputError
@@ -55,7 +58,15 @@ MIN_SLACK, MIN_ACTIVE_WEIGHT = 1e-14, 1e-12
 """Slack that is left, relative, and the weight that stands for none in further rounds."""
 SAME_DERIVATIVES_DISTANCE = 5e-3
 """Relative distance of derivatives within which points of a support are one."""
-MAX_PEAK_ROUNDS, PEAKS_CLIMBED = 20, 8
+SAME_POINT_DISTANCE = 0.1
+"""In the unit cube, within which the mean of such points is taken."""
+MAX_PEAK_ROUNDS = 20
+SAMPLE_OF_ONE_FACTOR = 512
+"""Points at which the sensitivity is looked at besides the candidates; twice as many for each
+further factor."""
+MIN_CLIMBED_SENSITIVITY = 0.8
+"""Of a point from which a peak above one may be near."""
+MAX_CLIMB_STEPS, MIN_CLIMB_STEP = 300, 1e-8
 EXCHANGE_STARTS = 50
 """Of an exchange, from different points."""
 REGULARISING_INFORMATION = 1e-6
@@ -256,69 +267,101 @@ def optimal_in_box(
 ) -> ContinuousDesign:
     """The best approximate design anywhere in the space, from a grid of candidates, shape (n, k).
 
-    Peaks of the sensitivity join the candidates, until the equivalence theorem holds at every peak.
-    efficiency_bound holds against the grid and all peaks between its points. Raises InputError
+    Peaks of the sensitivity join the candidates, until the equivalence theorem holds at every peak
+    that is found. efficiency_bound holds against the grid, a Sobol' sequence of other points, and
+    the peaks next to both. Raises InputError
     where the candidates cannot tell the parameters apart.
     """
     points_tried, known = candidates, stacked_derivatives(gradients(candidates))
     best, highest = ContinuousDesign(candidates[:0], np.empty(0)), 0.0
-    for _ in range(MAX_PEAK_ROUNDS):
-        kept = _merged_support(known, optimal_weights(known, gap=gap / 10).weights)
-        points, own = points_tried[kept], known[:, kept]
+    factors = candidates.shape[1]
+    sample_size = SAMPLE_OF_ONE_FACTOR * 2 ** (factors - 1)
+    for number in range(MAX_PEAK_ROUNDS):
+        unit = np.clip(space.to_unit(points_tried), 0, 1)
+        merged = _merged_support(known, unit, optimal_weights(known, gap=gap / 10).weights)
+        points = space.from_unit(merged)
+        own = stacked_derivatives(gradients(points))
         design = optimal_weights(own, gap=gap / 10)
         weights = design.weights
+
+        def sensitivity_at(unit: Array, own: Array = own, weights: Array = weights) -> Array:
+            there = gradients(space.from_unit(unit.reshape(-1, factors)))
+            return sensitivity(own, there, weights=weights).reshape(unit.shape[:-1])
+
         level = sensitivity(own, known, weights=weights)
-        starts = np.concatenate([points, points_tried[np.argsort(level)[-PEAKS_CLIMBED:]]])
-        peaks = _sensitivity_maxima(own, weights, gradients, space, starts)
-        added = stacked_derivatives(gradients(peaks))
-        bound = float(1 / max(1.0, level.max(), sensitivity(own, added, weights=weights).max()))
+        # Other points each round: what one sample misses the next may meet.
+        sample = qmc.Sobol(factors, rng=number).random(sample_size)
+        looked_at = np.concatenate([unit, sample])
+        heights = np.concatenate([level, sensitivity_at(sample)])
+        starts = looked_at[_local_maxima(looked_at, heights)]
+        peaks = _climbed(sensitivity_at, starts, step=sample_size ** (-1 / factors))
+        peak_heights = sensitivity_at(peaks)
+        bound = float(1 / max(1.0, heights.max(), peak_heights.max()))
         if bound > highest:
             best, highest = replace(design, efficiency_bound=bound).on(points), bound
         if bound >= 1 - gap:
             break
+        # Several climbs end on one peak; of a design that is nearly best all its points are peaks.
+        higher = peaks[peak_heights > 1 + gap / 2].round(-round(math.log10(MIN_CLIMB_STEP)))
+        peaks = space.from_unit(np.unique(higher, axis=0))
         points_tried = np.concatenate([points_tried, peaks])
-        known = np.concatenate([known, added], axis=1)
+        known = np.concatenate([known, stacked_derivatives(gradients(peaks))], axis=1)
     return best
 
 
-def _sensitivity_maxima(
-    own: Array, weights: Array, gradients: Gradients, space: Space, starts: Array
-) -> Array:
-    """The maxima of a design's sensitivity next to points, shape (n, k): all climb at once."""
-    unit, shift = np.clip(space.to_unit(starts), 0, 1), 1e-6 * np.eye(starts.shape[1])
-
-    def negative_sensitivity(flat: Array) -> tuple[float, Array]:
-        at = flat.reshape(unit.shape)[:, None]
-        above, below = np.minimum(at + shift, 1), np.maximum(at - shift, 0)
-        near = np.concatenate([at, above, below], axis=1)
-        there = gradients(space.from_unit(near.reshape(-1, len(shift))))
-        level = sensitivity(own, there, weights=weights).reshape(near.shape[:2])
-        height, higher, lower = np.split(level, [1, 1 + len(shift)], axis=1)
-        return -float(height.sum()), -((higher - lower) / (above - below).sum(axis=-1)).ravel()
-
-    optimum = minimize(
-        negative_sensitivity,
-        unit.ravel(),
-        jac=True,
-        method="L-BFGS-B",
-        bounds=[(0.0, 1.0)] * unit.size,
-        options={"ftol": 1e-15, "gtol": 1e-9},
-    )
-    return space.from_unit(optimum.x.reshape(unit.shape))
+def _local_maxima(unit: Array, heights: Array) -> Indices:
+    """The points, shape (n, k), that none of their neighbours exceeds, of those worth a climb."""
+    _, neighbours = cKDTree(unit).query(unit, k=2 * unit.shape[1] + 1)
+    highest = heights[neighbours].max(axis=1) <= heights * (1 + 1e-12)
+    return np.flatnonzero(highest & (heights >= MIN_CLIMBED_SENSITIVITY))
 
 
-def _merged_support(f: Array, weights: Array) -> Indices:
-    """The points with a weight, of those of nearly equal derivatives the heaviest."""
+def _climbed(height_at: Callable[[Array], Array], starts: Array, *, step: float) -> Array:
+    """The maxima next to points of the unit cube, shape (n, k).
+
+    Each point tries a step along either direction of each factor, and its last move again, and
+    halves the step where none is higher (Hooke and Jeeves 1961): none leaves the hill it is on, as
+    line searches do.
+    """
+    factors = starts.shape[1]
+    directions = np.concatenate([np.eye(factors), -np.eye(factors)])
+    at, height, steps = starts, height_at(starts), np.full(len(starts), step)
+    last_move = np.zeros_like(at)
+    for _ in range(MAX_CLIMB_STEPS):
+        moves = steps[:, None, None] * directions
+        tried = at[:, None] + np.concatenate([moves, last_move[:, None]], axis=1)
+        tried = np.clip(tried, 0, 1)
+        heights = height_at(tried)
+        best = heights.argmax(axis=1)
+        moved = np.take_along_axis(tried, best[:, None, None], axis=1)[:, 0]
+        higher = heights.max(axis=1) > height
+        last_move = np.where(higher[:, None], moved - at, 0.0)
+        at = np.where(higher[:, None], moved, at)
+        height = np.where(higher, heights.max(axis=1), height)
+        steps = np.where(higher, steps, steps / 2)
+        if steps.max() < MIN_CLIMB_STEP:
+            break
+    return at
+
+
+def _merged_support(f: Array, unit: Array, weights: Array) -> Array:
+    """The points with a weight, shape (s, k), those of nearly equal derivatives as one.
+
+    It lies at the weighted mean of those near the heaviest: the best point is between them.
+    """
     used = np.argsort(-weights)[: np.count_nonzero(weights > MIN_SUPPORT_WEIGHT)]
     rows = np.concatenate(
         f[:, used] @ np.linalg.inv(_information_roots(f[:, used], weights[used])), axis=1
     )
-    near = cdist(rows, rows) <= SAME_DERIVATIVES_DISTANCE * np.sqrt(rows.shape[1])
-    kept: list[int] = []
-    for candidate in range(len(used)):
-        if not near[candidate, kept].any():
-            kept.append(candidate)
-    return used[kept]
+    alike = cdist(rows, rows) <= SAME_DERIVATIVES_DISTANCE * np.sqrt(rows.shape[1])
+    near = cdist(unit[used], unit[used]) <= SAME_POINT_DISTANCE
+    left, merged = np.ones(len(used), dtype=bool), []
+    for heaviest in range(len(used)):
+        if left[heaviest]:
+            group = alike[heaviest] & near[heaviest] & left
+            merged.append(np.average(unit[used[group]], axis=0, weights=weights[used[group]]))
+            left &= ~alike[heaviest]
+    return np.array(merged)
 
 
 def exchange(
