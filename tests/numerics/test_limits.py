@@ -173,7 +173,7 @@ def error_over_estimate(row) -> float:
 
 
 # Where constants stand, and the values with which they change nothing.
-SWITCHED_OFF = {"FREE_FLOW_SIGMA": (estimates, 1e-9), "SUM_PRECISION": (core, 1.0)}
+SWITCHED_OFF = {"FREE_FLOW_SIGMA": (estimates, 1e-9), "HARMONIC_SUM_PRECISION": (core, 1.0)}
 
 
 @pytest.mark.parametrize("number", STORED.index)

@@ -15,7 +15,7 @@ LIMIT = 3e7
 def limit(monkeypatch: pytest.MonkeyPatch) -> None:
     """A limit of work that a hard film exceeds within a second."""
     for module in (launch, refinement):
-        monkeypatch.setattr(module, "MOST_WORK", LIMIT)
+        monkeypatch.setattr(module, "MAX_OPERATIONS", LIMIT)
     launch._grid_sizes.cache_clear()
     yield
     launch._grid_sizes.cache_clear()
