@@ -428,11 +428,11 @@ class Study(FilmSections, StudyHeader):
         for factor in ("h0_m", "hv_m"):
             fitted, control = getattr(self.screen, factor), getattr(self.error_map, factor)
             levels = min(ERROR_MAP_LEVELS_RATIO * fitted.levels, MAX_ERROR_MAP_LEVELS)
-            _fill_defaults(control, start=fitted.start, stop=fitted.stop, levels=levels)
+            _set_where_not_given(control, start=fitted.start, stop=fitted.stop, levels=levels)
         wanted, largest_m = self.extrapolation, self.screen.hv_m.stop
-        _fill_defaults(wanted, h0_m=self.screen.h0_m.start)
+        _set_where_not_given(wanted, h0_m=self.screen.h0_m.start)
         farther_m = float(f"{DEFAULT_EXTRAPOLATION_RATIO * largest_m:.12g}")
-        _fill_defaults(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
+        _set_where_not_given(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
 
     def _derive_models(self) -> None:
         """The models that are compared and refined: physics' where its limit was derived."""
@@ -448,13 +448,13 @@ class Study(FilmSections, StudyHeader):
             and gas.polytropic_exponent == 1
         )
         physics = ["limit", "limit_1", "limit_2"] if known else []
-        _fill_defaults(
+        _set_where_not_given(
             self.comparison,
             two_factor=["two_factor", "polynomial_3", *physics[:2]],
             four_factor=["four_factor", "polynomial_5", *physics],
         )
         best = ("limit_1", "limit_2") if known else ("polynomial_3", "polynomial_5")
-        _fill_defaults(self.refine, two_factor=[best[0]], four_factor=[best[1]])
+        _set_where_not_given(self.refine, two_factor=[best[0]], four_factor=[best[1]])
 
     def _derive_positions(self) -> None:
         """Positions in the form of the surface: half of the way that the pad may go, and all."""
@@ -462,7 +462,7 @@ class Study(FilmSections, StudyHeader):
         if not (self.paper or positions.model_fields_set):
             positions.points = DEFAULT_POSITION_COUNT
         if surface is None:
-            _fill_defaults(positions, phi_deg=list(DEFAULT_DIRECTIONS_DEG))
+            _set_where_not_given(positions, phi_deg=list(DEFAULT_DIRECTIONS_DEG))
             if positions.phi_r_m is None:
                 half_m, reach_m = self.actuator.surface_radius_m, _farthest_edge_m(self.pad)
                 way_m = _max_travel_m("actuator.surface_radius", half_m, reach_m, "phi_r")
@@ -543,7 +543,7 @@ class Study(FilmSections, StudyHeader):
             raise error_at_key("the paper's actuator is a disc; it must be false", "paper")
 
 
-def _fill_defaults(section: Section, **values: Any) -> None:
+def _set_where_not_given(section: Section, **values: Any) -> None:
     """Give a section's keys their values where nothing is written."""
     for name, value in values.items():
         if getattr(section, name) is None:

@@ -394,7 +394,7 @@ def narrow_feature_points(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     with np.errstate(all="ignore"):
         s = profile.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
         bends = np.maximum(
-            _deviations_from_neighbours(s, x_lines_m), _deviations_from_neighbours(s.T, y_lines_m).T
+            _distances_from_chords(s, x_lines_m), _distances_from_chords(s.T, y_lines_m).T
         )
     bends[profile.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
     side = LANDMARK_NET_LINES // LANDMARK_NET_TILES
@@ -417,7 +417,7 @@ def narrow_feature_points(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     return x_m[best], y_m[best]
 
 
-def _deviations_from_neighbours(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
+def _distances_from_chords(s: np.ndarray, lines_m: np.ndarray) -> np.ndarray:
     """Return each value's distance from the line through its neighbours along axis 0."""
     fraction = ((lines_m[1:-1] - lines_m[:-2]) / (lines_m[2:] - lines_m[:-2]))[:, None]
     bends = np.zeros(s.shape)

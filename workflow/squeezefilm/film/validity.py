@@ -60,7 +60,7 @@ SYMBOL_VALUES: dict[str, Callable[[Scenes], Any]] = {
     "Ra/h": lambda s: _ratio_to_gap(LAPPED_ROUGHNESS_M, s.narrowest * s.h0_m),
 }
 # The list's kinds of films; ``auto`` terms are decided before (quantities/model_error.py).
-FILM_CONDITIONS: dict[str, Callable[[Scenes], Any]] = {
+KINDS_OF_FILMS: dict[str, Callable[[Scenes], Any]] = {
     "all": lambda s: True,
     "viscous flow": lambda s: s.gas.rarefaction == "none",
     "first-order slip": lambda s: s.gas.rarefaction == "slip",
@@ -80,7 +80,7 @@ class Limit:
 
     Attributes:
         quantity, symbol: in words and as in formulas; SYMBOL_VALUES has its value.
-        films: which the limit is for, of FILM_CONDITIONS.
+        films: which the limit is for, of KINDS_OF_FILMS.
         unknown_above: value above which the modelling error of a force is unverified.
         not_above: value above which the equation does not apply.
         source: reason for the values, and where they are from.
@@ -152,7 +152,7 @@ def _exceeded_limits_by_scene(
     beyond = ~(np.array([values[limit.symbol] for limit in limits]) <= bounds)
     for at in np.flatnonzero(beyond.any(axis=1)).tolist():
         limit = limits[at]
-        for row in np.flatnonzero(beyond[at] & FILM_CONDITIONS[limit.films](scenes)).tolist():
+        for row in np.flatnonzero(beyond[at] & KINDS_OF_FILMS[limit.films](scenes)).tolist():
             texts[row].append(limit.text(float(values[limit.symbol][row])))
     return texts
 

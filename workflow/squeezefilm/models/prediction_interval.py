@@ -55,7 +55,7 @@ class PredictionInterval(BaseModel):
         points: simulations of the sample; ``failed`` of them have no force, or no modelled one.
         calibration_points: those that the half widths come from.
         mean_coverage: share of the other half inside the 95 % interval.
-        coverage: the same by region (``masks_of_thirds``).
+        coverage: the same by region (``thirds_of_each_factor``).
         profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %; it is
             part of error_95 and error_99.
     """
@@ -254,13 +254,13 @@ def measured_interval(
         mean_coverage=float(inside[ranking].mean()),
         coverage=tuple(
             {"quantity": name, "third": third, "coverage": float(inside[ranking][mask].mean())}
-            for name, third, mask in masks_of_thirds(factors.take(ranking))
+            for name, third, mask in thirds_of_each_factor(factors.take(ranking))
         ),
         profile_uncertainty=profile_uncertainty,
     )
 
 
-def masks_of_thirds(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
+def thirds_of_each_factor(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
     """Each quantity that varies with each of its thirds and a mask of its points, shape (n,).
 
     A quantity's range is cut at its terciles over the points, which fill the space evenly.
@@ -285,7 +285,7 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
     if not squares.sum() > 0:
         raise InputError("error by region: no error is known, or all are zero")
     worst: dict[str, tuple[float, str]] = {}
-    for name, third, inside in masks_of_thirds(factors):
+    for name, third, inside in thirds_of_each_factor(factors):
         fraction = float(squares[inside].sum() / squares.sum())
         if fraction > worst.get(name, (0.0, ""))[0]:
             worst[name] = fraction, f"{third} third of the {COLUMNS[name].label}"

@@ -56,10 +56,13 @@ def plot(options: argparse.Namespace) -> None:
 
         return _save_figure_of_table(options.figure, ("h0_m", "hv_m"), curve, options.output)
     if options.figure == "profile" and options.results and options.results.suffix in tables:
-        from squeezefilm_workflow.reporting.figures.maps import PROFILE_COLUMNS, draw_profile_table
+        from squeezefilm_workflow.reporting.figures.maps import (
+            VIBRATION_PROFILE_COLUMNS,
+            draw_profile_table,
+        )
 
         return _save_figure_of_table(
-            options.results, PROFILE_COLUMNS, draw_profile_table, options.output
+            options.results, VIBRATION_PROFILE_COLUMNS, draw_profile_table, options.output
         )
     check_formats(options.output, (*PICTURE_SUFFIXES, ".csv"))
     if options.results is None:

@@ -36,7 +36,7 @@ def draw(path: Path | str, files: Sequence[Path]) -> None:
             if file.suffix == ANIMATION_SUFFIX:
                 save_animation(field, file)
             else:
-                style.save(draw_sheet(field), [file])
+                style.save(pressure_figure(field), [file])
 
 
 def read_field(path: Path | str) -> Dataset:
@@ -66,7 +66,7 @@ def read_field(path: Path | str) -> Dataset:
     return field.assign(gauge_pressure=1e-3 * field["gauge_pressure"])
 
 
-def draw_sheet(field: Dataset) -> Figure:
+def pressure_figure(field: Dataset) -> Figure:
     """The gauge pressure at PHASES_SHOWN phases and in the mean; means over the pad, over the
     period.
     """

@@ -76,7 +76,7 @@ def points_of_scene(scene: Scene, count: int) -> Points:
     if is_axisymmetric(scene):
         return _chebyshev_radius(count)
     of_shape = {"rectangle": _rectangle_points, "ellipse": _ellipse_points}[scene.pad.shape]
-    return _half_points(of_shape(scene.aspect, count), *film_symmetry(scene))
+    return _folded_by_symmetry(of_shape(scene.aspect, count), *film_symmetry(scene))
 
 
 def is_axisymmetric(scene: Scene) -> bool:
@@ -167,7 +167,7 @@ def _ellipse_points(aspect: float, count: int) -> Points:
     return Points(on_x, on_y, weights, along, along, (along, along), normal, corner)
 
 
-def _half_points(points: Points, even_x: bool, even_y: bool) -> Points:
+def _folded_by_symmetry(points: Points, even_x: bool, even_y: bool) -> Points:
     """Return the points of one half along each axis about which a film is even."""
     from_centre, even = np.stack([points.x, points.y]) - 0.5, np.array([[even_x], [even_y]])
     kept = np.flatnonzero(np.all(~even | (from_centre > 0), axis=0))

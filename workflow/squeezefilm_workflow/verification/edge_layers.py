@@ -76,7 +76,7 @@ def _csv_text(columns: tuple[str, ...], rows: list[tuple[float, ...]]) -> str:
 
 def table_excursions() -> list[float]:
     """Excursion ratios of the table's rows, rising from 0 to MAX_TABLE_EXCURSION."""
-    return _unstretched(
+    return _excursions_of_log_narrowing(
         edge_layer.log_narrowing(MAX_TABLE_EXCURSION) * axis(EXCURSION_COUNT - 2, False).all_nodes
     )
 
@@ -89,10 +89,12 @@ def table_reynolds_numbers() -> list[float]:
 def table_excursions_with_inertia(reynolds: float) -> list[float]:
     """Excursion ratios of the table with inertia at one of its Reynolds numbers."""
     fractions = (chebyshev.chebpts1(EXCURSIONS_WITH_INERTIA) + 1) / 2
-    return _unstretched(edge_layer.log_narrowing(largest_excursion(reynolds)) * fractions)
+    return _excursions_of_log_narrowing(
+        edge_layer.log_narrowing(largest_excursion(reynolds)) * fractions
+    )
 
 
-def _unstretched(coordinates: np.ndarray) -> list[float]:
+def _excursions_of_log_narrowing(coordinates: np.ndarray) -> list[float]:
     return np.sqrt(-np.expm1(-coordinates)).tolist()
 
 

@@ -22,7 +22,7 @@ MAX_POINTS_WITH_MARKERS = 100
 """Simulations of a map, at most, that are drawn as dots."""
 MARKER_OF_STATUS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
 """Of positions: whether a model has an amplitude there, and whether it is validated."""
-PROFILE_COLUMNS = ("layer", "amplitude_um", "residual_um", "noise_um")
+VIBRATION_PROFILE_COLUMNS = ("layer", "amplitude_um", "residual_um", "noise_um")
 """Of a table of a profile, among others."""
 MAP_LINES = 101
 """Of the grid along each side on which a vibration is drawn."""
@@ -148,7 +148,7 @@ def vibration(results: Results) -> Figure:
 
 def profile(results: Results) -> Figure:
     """Amplitude and residual, over the distance from the centre of a disc, or as maps."""
-    data = results.table("figures/profile.csv", *PROFILE_COLUMNS)
+    data = results.table("figures/profile.csv", *VIBRATION_PROFILE_COLUMNS)
     noise = results.read_json_file("profile/summary.json").get("largest_force_noise_fraction")
     note = (
         f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
