@@ -15,21 +15,21 @@ from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
 
 COMPLEX_PATTERN = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
-IMAGINARY = re.compile(r"\*?(?:[ijI]|im)$")
+IMAGINARY_UNIT_PATTERN = re.compile(r"\*?(?:[ijI]|im)$")
 MISSING_PATTERN = re.compile(
     r"|-|--|na|n\.?/?a\.?|k\.a\.|null|none|not available"
     r"|#(?:n/a|nv|n/d|div/0!|value!|wert!|valeur!)"
     r"|(?:.*[-+( ])?nan(?:\(\w*\))?(?:\s*[-+].*|\*?[ij])?\)?|-?1\.#\w+",
     re.IGNORECASE,
 )
-WITH_UNIT = re.compile(r"([-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?)\s*([^\d\s.,].*)")
+NUMBER_WITH_UNIT_PATTERN = re.compile(r"([-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?)\s*([^\d\s.,].*)")
 # Cells of a column of signs.
 SIGN_OF_CELL = {"+": "1", "-": "-1", "\u2212": "-1", "+1": "1", "1": "1", "-1": "-1"}
 
 
-def unit_behind(cell: str) -> str:
+def unit_behind_number(cell: str) -> str:
     """The unit that a cell has behind its number, as in ``1.5 mm``; "" of others."""
-    match = WITH_UNIT.fullmatch(cell.strip())
+    match = NUMBER_WITH_UNIT_PATTERN.fullmatch(cell.strip())
     return normalised_unit(match[2]) if match else ""
 
 
@@ -63,9 +63,11 @@ def distinct_values_text(values: pd.Series) -> str:
 def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
     """A column's values in SI units; raises InputError naming the line of one that is none."""
     cells, name = table[column.column_index].str.replace("*^", "e", regex=False), column.quantity
-    if column.unit and any(unit_behind(cell) == column.unit for cell in cells[:1]):
-        with_unit = cells.map(unit_behind) == column.unit
-        cells = cells.mask(with_unit, cells.str.replace(WITH_UNIT, r"\1", regex=True))
+    if column.unit and any(unit_behind_number(cell) == column.unit for cell in cells[:1]):
+        with_unit = cells.map(unit_behind_number) == column.unit
+        cells = cells.mask(
+            with_unit, cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
+        )
     cells = _without_thousands(cells)
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():
@@ -105,6 +107,6 @@ def _parse_complex(cell: str) -> complex:
     """A number such as ``1.2-0.3i`` or ``1.2 - 0.3*I``; NaN where a cell has none."""
     try:
         parts = "".join(cell.strip("()").split()).replace(",", ".")
-        return complex(IMAGINARY.sub("j", parts))
+        return complex(IMAGINARY_UNIT_PATTERN.sub("j", parts))
     except ValueError:
         return complex("nan")

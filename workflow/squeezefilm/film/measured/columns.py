@@ -49,8 +49,10 @@ UNITS_OF_QUANTITY = UNIT_SIZES | {
     "frequency": FREQUENCY_UNITS_HZ,
     "time": unit_sizes("s"),
 }
-OF_ROWS = ("status", "valid", "invalid")
-UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "level": {}} | {name: {} for name in OF_ROWS}
+ROW_STATUS_QUANTITIES = ("status", "valid", "invalid")
+UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "level": {}} | {
+    name: {} for name in ROW_STATUS_QUANTITIES
+}
 """The same, with the amplitude along z, what rows of a place may differ by, a place on a line, a
 motion in decibels, and whether a row is valid."""
 MOTION_QUANTITIES = {name for name, units in UNITS_OF_QUANTITY.items() if units is MOTION_UNITS}

@@ -40,6 +40,8 @@ MAX_MODE_DEGREE = 24
 # The fewest points per mode that cross-validation looks at, and for degrees above its best one.
 MIN_POINTS_PER_MODE, MIN_POINTS_PER_EXTRA_MODE = 1.5, 3
 MAX_CONDITION_NUMBER = 1e8
+# One less the leverage of a point that others determine too.
+MIN_LEFT_BY_LEVERAGE = 1e-6
 # Degrees above the best by cross-validation, so that the misfit is small beside the noise.
 EXTRA_DEGREES = 2
 # An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
@@ -384,7 +386,7 @@ def _leave_one_out_error(orthogonal: np.ndarray, measured: np.ndarray) -> float:
         orthogonal: modes made orthonormal at the points, shape (points, modes).
     """
     left = 1 - np.sum(orthogonal**2, axis=1)
-    if left.min() < 1e-6:
+    if left.min() < MIN_LEFT_BY_LEVERAGE:
         return math.inf
     residual = measured - orthogonal @ (orthogonal.T @ measured)
     return float(np.sqrt(np.mean(np.abs(residual / left) ** 2)))
@@ -401,9 +403,10 @@ def _modes_with_extra_degrees(
     enough = len(points.x_m) / MIN_POINTS_PER_EXTRA_MODE
     for more in range(min(EXTRA_DEGREES, MAX_MODE_DEGREE - best), 0, -1):
         orders = points.orders_up_to(best, degrees_more=more)
-        if len(orders) <= enough and len(orders) > len(points.orders[best]):
+        if len(points.orders[best]) < len(orders) <= enough:
             q, r = np.linalg.qr(points.modes(orders))
-            if np.linalg.cond(r) <= MAX_CONDITION_NUMBER and np.sum(q**2, axis=1).max() <= 1 - 1e-6:
+            left = 1 - np.sum(q**2, axis=1).max()
+            if np.linalg.cond(r) <= MAX_CONDITION_NUMBER and left >= MIN_LEFT_BY_LEVERAGE:
                 return more, orders, q, r
     orders = points.orders[best]
     return 0, orders, *np.linalg.qr(points.modes(orders))

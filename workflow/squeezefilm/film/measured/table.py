@@ -39,12 +39,12 @@ from squeezefilm.film.measured.cells import (
     normalise_cells,
     parse_numbers,
     si_values,
-    unit_behind,
+    unit_behind_number,
 )
 from squeezefilm.film.measured.columns import (
     ALL_UNITS,
     COORDINATE_UNITS,
-    OF_ROWS,
+    ROW_STATUS_QUANTITIES,
     UNIT_SIZES,
     WORDS,
     ScanColumn,
@@ -426,7 +426,9 @@ def _header_with_units(
         return named, first + 1
     if len(cells) == len(header):
         header = [
-            f"{name} [{unit}]" if (unit := unit_behind(cell)) in ALL_UNITS and _bare(name) else name
+            f"{name} [{unit}]"
+            if (unit := unit_behind_number(cell)) in ALL_UNITS and _bare(name)
+            else name
             for name, cell in zip(header, cells, strict=True)
         ]
     for line in lines[:index]:
@@ -522,7 +524,7 @@ def _find_header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, li
                 if names
                 else _split_cells(line, separator)
             )
-            known = {column.quantity for column in header_columns(cells)} - {*OF_ROWS}
+            known = {column.quantity for column in header_columns(cells)} - {*ROW_STATUS_QUANTITIES}
             count = len(known - {"line"} if known & {*COORDINATE_UNITS} else known)
             if not count:
                 continue

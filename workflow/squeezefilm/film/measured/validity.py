@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.cells import distinct_values_text, parse_numbers
-from squeezefilm.film.measured.columns import OF_ROWS, WORDS, ScanColumn
+from squeezefilm.film.measured.columns import ROW_STATUS_QUANTITIES, WORDS, ScanColumn
 from squeezefilm.film.measured.scan import list_text
 from squeezefilm.headers import fold_accents
 from squeezefilm.lazy import pd
@@ -25,7 +25,7 @@ def valid_rows(
     """
     read, notes = [], []
     for column in others:
-        if column.quantity not in OF_ROWS:
+        if column.quantity not in ROW_STATUS_QUANTITIES:
             continue
         values = cells[column.column_index].map(fold_accents)
         numbers = parse_numbers(values)
