@@ -12,7 +12,7 @@ import squeezefilm as sf
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import Scan
-from squeezefilm.film.measured.smooth import smoothed_scan
+from squeezefilm.film.measured.smooth import smoothed_scan_of_file
 from squeezefilm.film.surfaces import Disc
 
 FREQUENCY_HZ = 43270.0
@@ -382,7 +382,7 @@ def same(scan: Scan, *, digits: float = 1e-6) -> None:
     one = scan.amplitude_m[np.argmax(np.abs(U))]
     turned = scan.amplitude_m * abs(one) / one
     assert np.abs(turned - U * 1e-6).max() < digits * 1.2e-6
-    assert scan.signed
+    assert scan.has_phase_or_sign
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -585,7 +585,7 @@ def test_exponents_of_mathematica_are_read(tmp_path):
 def test_a_position_alone_is_one_on_a_line(tmp_path):
     r = np.linspace(-9.9, 9.9, 41)
     scan = read(tmp_path / "scan.csv", text("Pos/mm,Amplitude/µm", r, np.sinc(0.1098 * r)))
-    assert scan.radial
+    assert scan.is_radial
     assert scan.x_m == pytest.approx(r / 1e3)
 
 
@@ -601,12 +601,12 @@ def test_a_line_across_the_middle_is_an_axisymmetric_shape(name, tmp_path):
     path, r = tmp_path / "scan.csv", np.linspace(-9.9, 9.9, 41)
     path.write_text(text(f"{name},displacement_um", r, np.sinc(0.1098 * r)), encoding="utf-8")
     surface = Disc(RADIUS_M)
-    profile = smoothed_scan(path, surface=surface, axisymmetric=True).profile
-    x_m, y_m, _ = surface.net()
+    profile = smoothed_scan_of_file(path, surface=surface, axisymmetric=True).profile
+    x_m, y_m, _ = surface.net_points_and_weights()
     exact = np.sinc(109.8 * np.hypot(x_m, y_m))
     assert profile.amplitude(x_m=x_m, y_m=y_m) == pytest.approx(exact, abs=2e-3)
     with pytest.raises(InputError, match="axisymmetric: true"):
-        smoothed_scan(path, surface=surface, axisymmetric=False)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False)
 
 
 def measured_at(name: str, values: list[float], factors: list[float]) -> str:
@@ -855,14 +855,14 @@ def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
     path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
     path.write_text(text("x_mm,y_mm,amplitude_um", X + 100, Y - 20, U))
     with pytest.raises(InputError, match=r"all lie on it with .*origin: \[100 mm, -20 mm\]"):
-        smoothed_scan(path, surface=surface, axisymmetric=False)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False)
     same(read_scan(path, origin_m=(0.1, -0.02)))
     path.write_text(text("x_m,y_m,amplitude_um", X, Y, U))
     with pytest.raises(InputError, match="positions 1000 times smaller"):
-        smoothed_scan(path, surface=surface, axisymmetric=True)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=True)
     path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
     with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
-        smoothed_scan(path, surface=surface, axisymmetric=False, scale="measured")
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False, scale="measured")
 
 
 def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):
@@ -901,7 +901,7 @@ def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothin
     for name, lines in (("gaps.csv", with_gaps), ("without.csv", without)):
         path = tmp_path / name
         path.write_text("\n".join(lines) + "\n")
-        found.append(smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=False))
+        found.append(smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False))
     gaps, rest = found
     assert gaps.noise_m == rest.noise_m
     assert gaps.profile.coefficients == rest.profile.coefficients
