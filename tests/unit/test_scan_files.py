@@ -278,6 +278,10 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         20 * np.log10(abs(SPEED)),
         PHASE,
     ).encode(),
+    "decibels by B&K": text(
+        "X[mm],Y[mm],Response(Vel) [dB/1.00n m/s],Phase[Degree]",
+        *(X, Y, 20 * np.log10(1e6 * abs(SPEED)), PHASE),
+    ).encode("latin-1"),
     "a level in decibels beside the amplitude": text(
         "x_mm,y_mm,Pegel [dB],amplitude_um,phase_deg", X, Y, X, abs(U), PHASE
     ).encode(),
@@ -309,6 +313,12 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
     ).encode(),
     "Origin": text(
         "x\ty\tAmplitude\tPhase\nmm\tmm\t\\g(m)m\tdeg\nstage\tstage\tlock-in R\tlock-in Theta",
+        *(X, Y, abs(U), PHASE),
+    )
+    .replace(",", "\t")
+    .encode(),
+    "Origin, a comment of the second column": text(
+        "x\ty\tAmplitude\tPhase\nmm\tmm\tµm\tdeg\n\tdisc, 43.27 kHz\t\t",
         *(X, Y, abs(U), PHASE),
     )
     .replace(",", "\t")
@@ -537,6 +547,7 @@ def test_sign_level_and_status_are_known_in_eight_languages(language, tmp_path):
     [
         ("Status", "OK", "A/D Overrange"),
         ("Scan Status", "Optimal", "Not Measured"),
+        ("Status", "Optimal", "Not Available"),
         ("Zustand", "gültig", "ungültig"),
         ("Valid", "1", "0"),
         ("Overrange", "", "x"),
@@ -582,9 +593,20 @@ def test_exponents_of_mathematica_are_read(tmp_path):
     same(read(tmp_path / "scan.csv", content))
 
 
-def test_a_position_alone_is_one_on_a_line(tmp_path):
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Pos/mm,Amplitude/µm",
+        "% Arc length (mm)      Displacement field, Z component (um)",
+        "% Bogenlänge (mm)      Verschiebungsfeld, Z-Komponente (um)",
+    ],
+)
+def test_a_position_alone_is_one_on_a_line(header, tmp_path):
     r = np.linspace(-9.9, 9.9, 41)
-    scan = read(tmp_path / "scan.csv", text("Pos/mm,Amplitude/µm", r, np.sinc(0.1098 * r)))
+    content = text(header, r, np.sinc(0.1098 * r))
+    if header.startswith("%"):
+        content = header + content.removeprefix(header).replace(",", "      ")
+    scan = read(tmp_path / "scan.csv", content)
     assert scan.radial
     assert scan.x_m == pytest.approx(r / 1e3)
 
@@ -837,6 +859,9 @@ def test_named_arrays_are_a_table(ending, tmp_path):
         ("scan.vtk", b"# vtk DataFile Version 3.0\n", "as CSV .in ParaView"),
         ("disc.pch", b"$SUBTITLE=DISC\n$LABEL   = \n", "Nastran.*as a universal file"),
         ("disc.f06", b"1\n   N A S T R A N\n", "Nastran.*x, y and T3, with units"),
+        ("plate.f06", b"1  PLATE\n   R E A L   E I G E N V E C T O R   N O .", "Nastran.*T3"),
+        ("disc.lis", b" LIST ALL SELECTED NODES.   DSYS=      0\n", "ANSYS.*Node Location"),
+        ("disc.lis", b"\n PRINT U    NODAL SOLUTION PER NODE\n", "ANSYS.*Node Location"),
         ("scan.dat", b'VARIABLES = "X", "Y"\n1 2\n', "Tecplot.*such as x_mm y_mm amplitude_um"),
         ("scan.itx", b"IGOR\rWAVES/D x_mm\r", "save the waves as delimited text"),
         ("grid.txt", b"% Model: disc.mph\n% Grid\n1 2 3\n", "data format Spreadsheet"),

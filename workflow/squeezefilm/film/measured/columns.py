@@ -66,9 +66,9 @@ AT_FREQUENCY_PATTERN = re.compile(
 """How a program writes the frequency at which a column was solved, of a mode a complex one."""
 DECIBELS = re.compile(
     r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*"
-    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*)"
+    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*(?: \S+)?)"
 )
-"""Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``."""
+"""Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``, ``dB/1.00n m/s``."""
 RATIO_IN_UNIT = re.compile(
     r"\s*([\[(][^\[\]()]+?)[\s_(]+(rms|eff|pk-?pk|p-?p|0-?pk?|peak|pk)\)?([\])])$", re.IGNORECASE
 )
@@ -136,7 +136,7 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS["line"]} or {*words[:1]}
     if core & MOTION_WORDS:
-        core -= {*WORDS["input"]}
+        core -= {*WORDS["beside_motion"]}
     if quantity := QUANTITY_OF_WORDS.get(frozenset(words)) or QUANTITY_OF_WORDS.get(
         frozenset(core)
     ):
@@ -179,7 +179,7 @@ def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
 def _decibel_reference(unit: str) -> tuple[float | None, int]:
     """The size of the motion that is 0 dB, None if the unit does not tell, and its power of ω."""
     match = DECIBELS.fullmatch(unit)
-    named = normalised_unit(match[2]) if match else ""
+    named = normalised_unit(match[2]).replace(" ", "") if match else ""
     if match is None or named not in MOTION_UNITS:
         return None, 0
     return float(match[1] or 1) * MOTION_UNITS[named], OMEGA_POWER_OF_UNIT[named]

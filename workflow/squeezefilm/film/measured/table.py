@@ -102,9 +102,13 @@ REMEDY_OF_FILE_SIGNATURE = {
 }
 """How files begin that are no text, or no table, and what to do with them."""
 OTHER_TEXTS = {
-    r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T": "a print or punch file "
-    "of Nastran's, without positions in the table; export the grid points' positions and "
-    "displacements as a universal file (.unv) or as one table: x, y and T3, with units",
+    r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T|E I G E N V E C T O R": "a "
+    "print or punch file of Nastran's, without positions in the table; export the grid points' "
+    "positions and displacements as a universal file (.unv) or as one table: x, y and T3, with "
+    "units",
+    r"(?m)^\s*(?:LIST ALL SELECTED NODES|PRINT U .*NODAL SOLUTION)": "a list of ANSYS, with "
+    "positions and displacements in different tables; export Directional Deformation from "
+    "Mechanical (Options, Export, Include Node Location), or write one table: x_m, y_m, uz_m",
     r"(?m)^% Grid\s*$": "a grid of COMSOL's; export with the data format Spreadsheet",
     r"(?m)^\s*VARIABLES\s*=": "a Tecplot file; in place of the lines above the numbers write one "
     "that names the columns, such as x_mm y_mm amplitude_um",
@@ -381,8 +385,8 @@ def _table_cells(
 ) -> tuple[pd.DataFrame, list[str]]:
     """The cells below a header of so many names, the first of them needed, by their line.
 
-    Lines above and below rows that all begin with a number are none if they begin with a word; a
-    note names them.
+    Lines above and below rows that all begin with a number are none if their first cell that is
+    not empty begins with a word; a note names them.
     """
     rows = {
         number: _split_cells(line, separator)
@@ -391,7 +395,8 @@ def _table_cells(
         and not COMMENT_PATTERN.match(line)
         and not RULED_LINE_PATTERN.fullmatch(line)
     }
-    start = pd.Series({number: cells[0] for number, cells in rows.items()}, dtype=object)
+    first_cells = {number: next(filter(None, cells), "") for number, cells in rows.items()}
+    start = pd.Series(first_cells, dtype=object)
     words = start.str.fullmatch(WORD_LINE_PATTERN).astype(bool) & ~start.map(is_missing).astype(
         bool
     )
