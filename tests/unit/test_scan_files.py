@@ -13,7 +13,7 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import smoothed_scan
-from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.surfaces import Disc, Rectangle
 
 FREQUENCY_HZ = 43270.0
 RADIUS_M = 0.01
@@ -376,6 +376,13 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
     "units of which one is unknown, of no account": text(
         "X,Y,Amplitude,Phase,Coherence\nmm,mm,µm,deg,p.u.", X, Y, abs(U), PHASE, 0 * X
     ).encode(),
+    "COMSOL, amplitude and phase": text(
+        "% x         y          solid.uAmpZ (µm)          solid.uPhaseZ (rad)",
+        *(X, Y, abs(U), np.radians(PHASE)),
+    )
+    .replace("%", "% Length unit:   mm\n%")
+    .replace(",", "      ")
+    .encode(),
     "COMSOL, abs and arg": text(
         "% Length unit:   mm\n% x         y          abs(w) (µm)          arg(w) (rad)",
         *(X, Y, abs(U), np.radians(PHASE)),
@@ -461,7 +468,7 @@ WRONG = {
     "a velocity's letter": (with_header("x_mm,y_mm,v,phase_deg"), "as in v [mm/s]"),
     "a phase called phi": (
         with_header("x_mm,y_mm,amplitude_um,phi_deg"),
-        "r or phi stands beside x and y; leave it out, or call it amplitude or phase",
+        "r or phi stands beside x and y; leave it out, or call it amplitude_um or phase_deg",
     ),
     "a motion over a voltage": (
         with_header("x_mm,y_mm,H1 Displacement/Voltage [m/V],H1 Displacement/Voltage Phase [deg]"),
@@ -493,6 +500,10 @@ WRONG = {
         with_header("x_mm,y_mm,s_nm,t_us"),
         "a time series ('t_us') is no shape; export amplitude and phase at the actuator's",
     ),
+    "columns of many points": (
+        text(",".join(["Frequency (Hz)", *(f"P{at} Re (um)" for at in range(9))]), *([X] * 10)),
+        "'P4 Re (um)', 'P5 Re (um)', …",
+    ),
     "two coordinates": (
         with_header("x_mm,X Pos [mm],y_mm,phase_deg"),
         "'x' stands twice: 'x_mm' and 'X Pos [mm]'",
@@ -510,6 +521,12 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
         read_scan(path, frequency_hz=FREQUENCY_HZ)
     assert message in str(refusal.value)
     assert "scan.csv: line" in str(refusal.value)
+
+
+def test_r_of_a_lock_in_amplifier_is_no_place(tmp_path):
+    content = with_header("x_mm,y_mm,R (V),Theta (deg)")
+    with pytest.raises(InputError, match=r"call it amplitude_um or phase_deg.*x, y, r, phi$"):
+        read(tmp_path / "scan.csv", content)
 
 
 def test_a_unit_and_the_frequency_are_asked_for_together(tmp_path):
@@ -661,6 +678,40 @@ def test_of_a_frequency_column_the_rows_at_the_actuators_are_read(tmp_path):
         elsewhere = measured_at("freq_hz", lines, [1] * len(lines))
         with pytest.raises(InputError, match="the actuator vibrates at 43270 Hz"):
             read(tmp_path / "scan.csv", elsewhere)
+
+
+def test_a_single_frequency_of_columns_is_noted_or_too_far(tmp_path):
+    """A mode of a model, some per cent away; at another frequency the shape is another."""
+    header = "x_mm,y_mm,w (um) @ freq={}".format
+    scan = read(tmp_path / "scan.csv", text(header(44100), X, Y, U))
+    same(scan)
+    assert "columns at 44100 Hz" in scan.notes
+    with pytest.raises(InputError, match=r"at 20110 Hz.*43270 Hz \(actuator.frequency\)"):
+        read(tmp_path / "scan.csv", text(header(20110), X, Y, U))
+
+
+def test_of_all_nodes_of_a_body_those_of_the_surface_are_asked_for(tmp_path):
+    """Nodes inside lie at no place of the surface's, so that no place has two amplitudes."""
+    tilt = 1 + 0.1 * X
+    same(read(tmp_path / "scan.csv", text("x_mm,y_mm,z_mm,uz_um", X, Y, tilt, U)))
+    inside = np.linspace(0, 7, len(X))
+    x, y, z = np.r_[X, 0.97 * X], np.r_[Y, 0.97 * Y], np.r_[0 * X + 8, inside]
+    content = text("x_mm,y_mm,Z Location,uz_um", x, y, z, np.r_[U, 0.5 * U])
+    with pytest.raises(InputError, match=r"heights.*rows: Z Location = 8 or another"):
+        read(tmp_path / "scan.csv", content)
+    same(read(tmp_path / "scan.csv", content, rows="Z Location = 8"))
+
+
+def test_what_a_part_of_a_surface_lacks_is_named(tmp_path):
+    """A quarter of a model, and a line along a plate."""
+    path, part = tmp_path / "scan.csv", (X >= 0) & (Y <= 0)
+    path.write_text(text("x_mm,y_mm,uz_um", X[part], Y[part], U[part]), encoding="utf-8")
+    with pytest.raises(InputError, match=r"of a half or a quarter.*axisymmetric: true"):
+        smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=False)
+    plate = Rectangle(2 * RADIUS_M, RADIUS_M)
+    path.write_text(text("x_mm,uz_um", X, U), encoding="utf-8")
+    with pytest.raises(InputError, match=r"line.*across it.*kind: standing-wave"):
+        smoothed_scan(path, surface=plate, axisymmetric=False)
 
 
 def test_a_time_series_is_no_shape_and_a_repeated_scan_is_one(tmp_path):

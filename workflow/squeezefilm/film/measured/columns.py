@@ -19,7 +19,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text
-from squeezefilm.film.measured.scan import nearest_spectral_line
+from squeezefilm.film.measured.scan import MAX_MODE_DISTANCE_FRACTION, nearest_spectral_line
 from squeezefilm.headers import fold_accents, normalised_unit, words_and_unit
 from squeezefilm.units import unit_sizes
 
@@ -50,11 +50,11 @@ UNITS_OF_QUANTITY = UNIT_SIZES | {
     "time": unit_sizes("s"),
 }
 ROW_STATUS_QUANTITIES = ("status", "valid", "invalid")
-UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "level": {}} | {
+UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "height": LENGTH_UNITS_M, "level": {}} | {
     name: {} for name in ROW_STATUS_QUANTITIES
 }
-"""The same, with the amplitude along z, what rows of a place may differ by, a place on a line, a
-motion in decibels, and whether a row is valid."""
+"""The same, with the amplitude along z, what rows of a place may differ by, a place on a line or
+along z, a motion in decibels, and whether a row is valid."""
 MOTION_QUANTITIES = {name for name, units in UNITS_OF_QUANTITY.items() if units is MOTION_UNITS}
 ALL_UNITS = {*MOTION_UNITS, *ANGLE_UNITS_RAD, *FREQUENCY_UNITS_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
@@ -337,13 +337,19 @@ def _columns_at_frequency(
 ) -> tuple[list[ScanColumn], list[str]]:
     """The columns at the actuator's frequency, and all that have none, and a note."""
     lines_hz = np.array([each.frequency_hz for each in named if each.frequency_hz is not None])
-    if len(set(lines_hz)) < 2:
-        return named, []
-    if frequency_hz is None:
+    several = len(set(lines_hz)) > 1
+    if frequency_hz is None and several:
         raise InputError("columns at several frequencies need the actuator's frequency")
+    if frequency_hz is None or not len(lines_hz):
+        return named, []
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
-    if far:
+    if far and several:
         raise InputError(f"the columns' frequencies: {far}")
+    if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION:
+        raise InputError(
+            f"the columns are at {line_hz:.7g} Hz, and the actuator vibrates at "
+            f"{frequency_hz:.7g} Hz (actuator.frequency)"
+        )
     kept = [each for each in named if each.frequency_hz in (None, line_hz)]
     return kept, [f"columns at {line_hz:.7g} Hz"]
 

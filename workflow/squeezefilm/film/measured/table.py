@@ -125,6 +125,8 @@ NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN = (
     re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"),
     re.compile(r".*[\s,;][-+]?\d"),
 )
+# Of all nodes of a body: the share of a face's, of others, and how far off they are, over the face.
+MIN_FACE_FRACTION, MIN_OFF_FRACTION, MAX_HEIGHT_FRACTION = 0.1, 0.1, 0.05
 # So many rows at a place that differ in time are a time series.
 MIN_TIME_SERIES_ROWS = 8
 OF_A_TIME_SERIES = "export amplitude and phase at the actuator's frequency"
@@ -165,7 +167,7 @@ def read_points(
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.column_index for column in columns.values()}
         ignored = [repr(name) for name in header if scan_column_of_cell(name) is None]
-        beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
+        beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         problems[-1:] = [
             f"{problem}; the columns are {', '.join(columns)}{beside}" for problem in problems[-1:]
@@ -175,7 +177,8 @@ def read_points(
             for each in header_columns(header)
             if each.quantity == "time" and problems and not motion
         ]
-        problems += unit_problems(columns.values())
+        unplaced = {"r", "phi"} if {"x", "y"} <= {*columns} else set[str]()
+        problems += unit_problems([columns[name] for name in columns if name not in unplaced])
         if any(column.power for column in motion) and frequency_hz is None:
             problems.append(FREQUENCY_NEEDED_MESSAGE)
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
@@ -193,6 +196,8 @@ def read_points(
         if at not in taken
     ]
     cells, settings = _rows_of_requested_measurement(cells, settings, rows or "")
+    if rows is not None:
+        _reject_points_off_surface(cells, settings, columns)
     cells, states, invalid = valid_rows(cells, settings)
     others = [repr(each.name) for each in settings if each not in states]
     notes += [*[f"ignored columns: {', '.join(others)}"] * bool(others), *invalid]
@@ -235,6 +240,32 @@ def _rows_of_requested_measurement(
                 raise InputError(f"no row has this value; {distinct_values_text(values)}")
         free = [other for other in free if other is not column]
     return cells, free
+
+
+def _reject_points_off_surface(
+    cells: pd.DataFrame, others: Sequence[ScanColumn], columns: dict[str, ScanColumn]
+) -> None:
+    """Reject all nodes of a body: many at one height, others at heights far from it."""
+    for column in others:
+        if column.quantity != "height" or "x" not in columns or cells.empty:
+            continue
+        x_m, z_m = (
+            parse_numbers(cells[each.column_index]) * (each.size or columns["x"].size or 1.0)
+            for each in (columns["x"], column)
+        )
+        heights = normalise_cells(cells[column.column_index])
+        common = heights.mode().iloc[-1]
+        at_face = heights == common
+        apart = abs(z_m - z_m[at_face].iloc[0])
+        if (
+            at_face.mean() > MIN_FACE_FRACTION
+            and (apart > MAX_HEIGHT_FRACTION * np.ptp(x_m)).mean() > MIN_OFF_FRACTION
+        ):
+            raise InputError(
+                f"column {column.name!r} has points at several heights, {z_m.min() * 1e3:.4g} to "
+                f"{z_m.max() * 1e3:.4g} mm; take those of the surface by actuator.profile.rows: "
+                f"{column.name} = {common} or another height; or leave the column out"
+            )
 
 
 def _one_row_per_position(
@@ -315,7 +346,7 @@ def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     place = {*known} & {"x", "y", "r", "phi"}
     both = place > {"x", "y"}
     return {
-        "r or phi stands beside x and y; leave it out, or call it amplitude or phase": both,
+        "r or phi stands beside x and y; leave it out, or call it amplitude_um or phase_deg": both,
         "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
         "table as its amplitude": not both
         and place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),

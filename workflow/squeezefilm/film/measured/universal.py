@@ -19,6 +19,7 @@ import numpy as np
 from squeezefilm.errors import InputError, raise_first_problem, requires_extra
 from squeezefilm.film.measured.scan import (
     MAX_FINITE_VALUE,
+    MAX_MODE_DISTANCE_FRACTION,
     Scan,
     angular_frequency,
     missing_points_note,
@@ -48,9 +49,8 @@ NAME_OF_DIRECTION = {
     number: f"{'+-'[number < 0]}{'XYZ'[abs(number) - 1]}" for number in (-3, -2, -1, 1, 2, 3)
 }
 REFERENCE_PATTERN = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
-# A mode is at most so far from the actuator's frequency, as a share, and by this factor nearer than
-# any other.
-MAX_MODE_DISTANCE_FRACTION, MIN_DISTANCE_RATIO_OF_MODES = 0.1, 3
+# A mode is by this factor nearer to the actuator's frequency than any other.
+MIN_DISTANCE_RATIO_OF_MODES = 3
 
 
 def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
