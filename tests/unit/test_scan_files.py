@@ -500,6 +500,7 @@ WRONG = {
         with_header("x_mm,y_mm,s_nm,t_us"),
         "a time series ('t_us') is no shape; export amplitude and phase at the actuator's",
     ),
+    "a motion called z": (with_header("x_mm,y_mm,z_um,phase_deg"), "not understood: 'z_um'"),
     "columns of many points": (
         text(",".join(["Frequency (Hz)", *(f"P{at} Re (um)" for at in range(9))]), *([X] * 10)),
         "'P4 Re (um)', 'P5 Re (um)', …",
@@ -700,6 +701,13 @@ def test_of_all_nodes_of_a_body_those_of_the_surface_are_asked_for(tmp_path):
     with pytest.raises(InputError, match=r"heights.*rows: Z Location = 8 or another"):
         read(tmp_path / "scan.csv", content)
     same(read(tmp_path / "scan.csv", content, rows="Z Location = 8"))
+
+
+def test_zeros_of_points_not_measured_are_named(tmp_path):
+    path, zeros = tmp_path / "scan.csv", np.random.default_rng(2).random(len(X)) < 0.15
+    path.write_text(text("x_mm,y_mm,uz_um", X, Y, np.where(zeros, 0, U)), encoding="utf-8")
+    with pytest.raises(InputError, match=r"amplitude is 0; write nan where nothing was"):
+        smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=True)
 
 
 def test_what_a_part_of_a_surface_lacks_is_named(tmp_path):

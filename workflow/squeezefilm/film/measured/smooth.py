@@ -563,9 +563,12 @@ def _fit_without_outliers(
     outliers = np.flatnonzero(~near)
     if len(outliers) > max(1, MAX_OUTLIER_SHARE_OF_POINTS * len(measured)):
         named = ", ".join(map(str, lines[outliers[:6]]))
+        remedy = "look at them"
+        if not np.any(measured[outliers]):
+            remedy = "their amplitude is 0; write nan where nothing was measured"
         raise InputError(
             f"{len(outliers)} of {len(measured)} points (lines {named}, …) lie far from every "
-            "smooth profile through the rest: more than stray points; look at them"
+            f"smooth profile through the rest: more than stray points; {remedy}"
         )
     return best_mode_fit(kept, measured[near]), near, kept
 

@@ -166,7 +166,8 @@ def read_points(
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.column_index for column in columns.values()}
-        ignored = [repr(name) for name in header if scan_column_of_cell(name) is None]
+        understood = {each.name for each in header_columns(header) if each.quantity != "height"}
+        ignored = [repr(name) for name in header if name not in understood]
         beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         problems[-1:] = [
