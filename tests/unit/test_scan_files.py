@@ -500,6 +500,10 @@ WRONG = {
         with_header("x_mm,y_mm,s_nm,t_us"),
         "a time series ('t_us') is no shape; export amplitude and phase at the actuator's",
     ),
+    "a second table": (
+        f"first part\n{PLAIN}\nsecond part\n{PLAIN}",
+        f"line {len(PLAIN.splitlines()) + 4}: the header stands again: a second table",
+    ),
     "a motion called z": (with_header("x_mm,y_mm,z_um,phase_deg"), "not understood: 'z_um'"),
     "columns of many points": (
         text(",".join(["Frequency (Hz)", *(f"P{at} Re (um)" for at in range(9))]), *([X] * 10)),

@@ -187,6 +187,12 @@ def read_points(
         if problems:
             raise InputError("; and ".join(problems))
     needed = max(taken) + 1
+    for again in range(first, len(lines)):
+        if lines[again] == lines[index] and not COMMENT_PATTERN.match(lines[index]):
+            raise InputError(
+                f"line {again + 1}: the header stands again: a second table; keep the rows of one, "
+                "or join them below one header"
+            )
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
