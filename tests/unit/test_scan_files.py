@@ -12,7 +12,7 @@ import squeezefilm as sf
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import Scan
-from squeezefilm.film.measured.smooth import smoothed_scan
+from squeezefilm.film.measured.smooth import smoothed_scan_of_file
 from squeezefilm.film.surfaces import Disc, Rectangle
 
 FREQUENCY_HZ = 43270.0
@@ -399,7 +399,7 @@ def same(scan: Scan, *, digits: float = 1e-6) -> None:
     one = scan.amplitude_m[np.argmax(np.abs(U))]
     turned = scan.amplitude_m * abs(one) / one
     assert np.abs(turned - U * 1e-6).max() < digits * 1.2e-6
-    assert scan.signed
+    assert scan.has_phase_or_sign
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -629,7 +629,7 @@ def test_a_position_alone_is_one_on_a_line(header, tmp_path):
     if header.startswith("%"):
         content = header + content.removeprefix(header).replace(",", "      ")
     scan = read(tmp_path / "scan.csv", content)
-    assert scan.radial
+    assert scan.is_radial
     assert scan.x_m == pytest.approx(r / 1e3)
 
 
@@ -645,12 +645,12 @@ def test_a_line_across_the_middle_is_an_axisymmetric_shape(name, tmp_path):
     path, r = tmp_path / "scan.csv", np.linspace(-9.9, 9.9, 41)
     path.write_text(text(f"{name},displacement_um", r, np.sinc(0.1098 * r)), encoding="utf-8")
     surface = Disc(RADIUS_M)
-    profile = smoothed_scan(path, surface=surface, axisymmetric=True).profile
-    x_m, y_m, _ = surface.net()
+    profile = smoothed_scan_of_file(path, surface=surface, axisymmetric=True).profile
+    x_m, y_m, _ = surface.net_points_and_weights()
     exact = np.sinc(109.8 * np.hypot(x_m, y_m))
     assert profile.amplitude(x_m=x_m, y_m=y_m) == pytest.approx(exact, abs=2e-3)
     with pytest.raises(InputError, match="axisymmetric: true"):
-        smoothed_scan(path, surface=surface, axisymmetric=False)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False)
 
 
 def measured_at(name: str, values: list[float], factors: list[float]) -> str:
@@ -711,7 +711,7 @@ def test_zeros_of_points_not_measured_are_named(tmp_path):
     path, zeros = tmp_path / "scan.csv", np.random.default_rng(2).random(len(X)) < 0.15
     path.write_text(text("x_mm,y_mm,uz_um", X, Y, np.where(zeros, 0, U)), encoding="utf-8")
     with pytest.raises(InputError, match=r"amplitude is 0; write nan where nothing was"):
-        smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=True)
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=True)
 
 
 def test_what_a_part_of_a_surface_lacks_is_named(tmp_path):
@@ -719,11 +719,11 @@ def test_what_a_part_of_a_surface_lacks_is_named(tmp_path):
     path, part = tmp_path / "scan.csv", (X >= 0) & (Y <= 0)
     path.write_text(text("x_mm,y_mm,uz_um", X[part], Y[part], U[part]), encoding="utf-8")
     with pytest.raises(InputError, match=r"of a half or a quarter.*axisymmetric: true"):
-        smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=False)
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
     plate = Rectangle(2 * RADIUS_M, RADIUS_M)
     path.write_text(text("x_mm,uz_um", X, U), encoding="utf-8")
     with pytest.raises(InputError, match=r"line.*across it.*kind: standing-wave"):
-        smoothed_scan(path, surface=plate, axisymmetric=False)
+        smoothed_scan_of_file(path, surface=plate, axisymmetric=False)
 
 
 def test_a_time_series_is_no_shape_and_a_repeated_scan_is_one(tmp_path):
@@ -943,14 +943,14 @@ def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
     path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
     path.write_text(text("x_mm,y_mm,amplitude_um", X + 100, Y - 20, U))
     with pytest.raises(InputError, match=r"all lie on it with .*origin: \[100 mm, -20 mm\]"):
-        smoothed_scan(path, surface=surface, axisymmetric=False)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False)
     same(read_scan(path, origin_m=(0.1, -0.02)))
     path.write_text(text("x_m,y_m,amplitude_um", X, Y, U))
     with pytest.raises(InputError, match="positions 1000 times smaller"):
-        smoothed_scan(path, surface=surface, axisymmetric=True)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=True)
     path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
     with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
-        smoothed_scan(path, surface=surface, axisymmetric=False, scale="measured")
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False, scale="measured")
 
 
 def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):
@@ -989,7 +989,7 @@ def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothin
     for name, lines in (("gaps.csv", with_gaps), ("without.csv", without)):
         path = tmp_path / name
         path.write_text("\n".join(lines) + "\n")
-        found.append(smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=False))
+        found.append(smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False))
     gaps, rest = found
     assert gaps.noise_m == rest.noise_m
     assert gaps.profile.coefficients == rest.profile.coefficients
