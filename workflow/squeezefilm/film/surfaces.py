@@ -35,6 +35,14 @@ class Disc:
     radius_m: float
     position_columns = POLAR_COLUMNS
     config_key = "actuator.surface_radius"
+    line_scan_problem = (
+        "points along a radius, without angles, can only give an axisymmetric profile; say so by "
+        "actuator.profile.axisymmetric: true"
+    )
+    whole_of_part = (
+        "write the mirrored points too, or say actuator.profile.axisymmetric: true if the shape "
+        "depends on the radius only"
+    )
     wave_ratios = (1.0,)
 
     @property
@@ -124,6 +132,11 @@ class Rectangle:
     length_y_m: Length
     position_columns: ClassVar = CARTESIAN_COLUMNS
     config_key: ClassVar = "actuator.surface"
+    line_scan_problem: ClassVar = (
+        "points on a line do not determine the shape across it; scan more lines, or say "
+        "actuator.profile: {kind: standing-wave, wavelength: 24 mm}, or kind: formula"
+    )
+    whole_of_part: ClassVar = "write the mirrored points too"
     wave_ratios: ClassVar = MODE_FAMILY_WAVE_RATIOS
 
     @property

@@ -19,7 +19,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text
-from squeezefilm.film.measured.scan import nearest_spectral_line
+from squeezefilm.film.measured.scan import MAX_MODE_DISTANCE_FRACTION, nearest_spectral_line
 from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
 from squeezefilm.units import unit_sizes
 
@@ -50,11 +50,11 @@ UNITS_OF_QUANTITY = UNITS_OF_SCAN_QUANTITY | {
     "time": unit_sizes("s"),
 }
 ROW_STATUS_QUANTITIES = ("status", "valid", "invalid")
-UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "level": {}} | {
+UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "height": LENGTH_UNITS_M, "level": {}} | {
     name: {} for name in ROW_STATUS_QUANTITIES
 }
-"""The same, with the amplitude along z, what rows of a place may differ by, a place on a line, a
-motion in decibels, and whether a row is valid."""
+"""The same, with the amplitude along z, what rows of a place may differ by, a place on a line or
+along z, a motion in decibels, and whether a row is valid."""
 MOTION_QUANTITIES = {name for name, units in UNITS_OF_QUANTITY.items() if units is MOTION_UNITS}
 ALL_UNITS = {*MOTION_UNITS, *ANGLE_UNITS_RAD, *FREQUENCY_UNITS_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
@@ -66,9 +66,9 @@ AT_FREQUENCY_PATTERN = re.compile(
 """How a program writes the frequency at which a column was solved, of a mode a complex one."""
 DECIBELS_PATTERN = re.compile(
     r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*"
-    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*)"
+    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*(?: \S+)?)"
 )
-"""Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``."""
+"""Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``, ``dB/1.00n m/s``."""
 RMS_OR_PEAK_UNIT_PATTERN = re.compile(
     r"\s*([\[(][^\[\]()]+?)[\s_(]+(rms|eff|pk-?pk|p-?p|0-?pk?|peak|pk)\)?([\])])$", re.IGNORECASE
 )
@@ -138,7 +138,7 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS_OF_MEANING["line"]} or {*words[:1]}
     if core & MOTION_WORDS:
-        core -= {*WORDS_OF_MEANING["input"]}
+        core -= {*WORDS_OF_MEANING["beside_motion"]}
     if quantity := QUANTITY_OF_WORDS.get(frozenset(words)) or QUANTITY_OF_WORDS.get(
         frozenset(core)
     ):
@@ -183,7 +183,7 @@ def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
 def _decibel_reference(unit: str) -> tuple[float | None, int]:
     """The size of the motion that is 0 dB, None if the unit does not tell, and its power of ω."""
     match = DECIBELS_PATTERN.fullmatch(unit)
-    named = normalised_unit(match[2]) if match else ""
+    named = normalised_unit(match[2]).replace(" ", "") if match else ""
     if match is None or named not in MOTION_UNITS:
         return None, 0
     return float(match[1] or 1) * MOTION_UNITS[named], OMEGA_POWER_OF_UNIT[named]
@@ -347,13 +347,19 @@ def _columns_at_frequency(
 ) -> tuple[list[ScanColumn], list[str]]:
     """The columns at the actuator's frequency, and all that have none, and a note."""
     lines_hz = np.array([each.frequency_hz for each in named if each.frequency_hz is not None])
-    if len(set(lines_hz)) < 2:
-        return named, []
-    if frequency_hz is None:
+    several = len(set(lines_hz)) > 1
+    if frequency_hz is None and several:
         raise InputError("columns at several frequencies need the actuator's frequency")
+    if frequency_hz is None or not len(lines_hz):
+        return named, []
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
-    if far:
+    if far and several:
         raise InputError(f"the columns' frequencies: {far}")
+    if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION:
+        raise InputError(
+            f"the columns are at {line_hz:.7g} Hz, and the actuator vibrates at "
+            f"{frequency_hz:.7g} Hz (actuator.frequency)"
+        )
     kept = [each for each in named if each.frequency_hz in (None, line_hz)]
     return kept, [f"columns at {line_hz:.7g} Hz"]
 

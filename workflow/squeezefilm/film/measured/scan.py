@@ -18,6 +18,8 @@ MIN_SCAN_POINTS, MAX_LISTED_ITEMS = 8, 6
 SAME_POSITION_DISTANCE_M = 1e-6
 # From the frequency, in distances between lines; of a file with one line as a share of it.
 MAX_OFFSET_IN_LINE_SPACINGS, MAX_FREQUENCY_OFFSET_FRACTION = 0.6, 0.01
+# Of a model's mode, which need not be where the actuator's is.
+MAX_MODE_DISTANCE_FRACTION = 0.1
 FREQUENCY_NEEDED_MESSAGE = "velocities and spectra need the actuator's frequency"
 
 

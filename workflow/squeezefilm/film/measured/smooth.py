@@ -52,6 +52,8 @@ MAX_PROFILE_ERROR = 0.25
 # Nor is one that has no measured point within this share of a disc's radius, or of half a
 # rectangle's shorter side.
 MAX_HOLE_RADIUS_FRACTION = 0.35
+# Points of a half of the surface reach so far into the other one, over its half side.
+MAX_PART_OVERLAP_FRACTION = 0.1
 # What the smooth motion out of phase may do to forces, as a share, and be neglected.
 MAX_QUADRATURE_FORCE_CHANGE = 1e-3
 # A point is far from the rest beyond this many standard deviations of the noise, and never if it is
@@ -464,8 +466,7 @@ def check_points(
             "another surface. Give a column phase_deg or sign, or say actuator.profile.sign: "
             "unknown if the surface has no node line": not scan.has_phase_or_sign
             and sign != "unknown",
-            "points along a radius, without angles, can only give an axisymmetric profile; say so "
-            "by actuator.profile.axisymmetric: true": scan.is_radial and not axisymmetric,
+            surface.line_scan_problem: scan.is_radial and not axisymmetric,
         },
     )
     reach = surface.relative_distance(scan.x_m, scan.y_m)
@@ -572,9 +573,12 @@ def _fit_without_outliers(
     outliers = np.flatnonzero(~near)
     if len(outliers) > max(1, MAX_OUTLIER_POINT_FRACTION * len(measured)):
         named = ", ".join(map(str, lines[outliers[:6]]))
+        remedy = "look at them"
+        if not np.any(measured[outliers]):
+            remedy = "their amplitude is 0; write nan where nothing was measured"
         raise InputError(
             f"{len(outliers)} of {len(measured)} points (lines {named}, …) lie far from every "
-            "smooth profile through the rest: more than stray points; look at them"
+            f"smooth profile through the rest: more than stray points; {remedy}"
         )
     return best_mode_fit(kept, measured[near]), near, kept
 
@@ -659,13 +663,18 @@ def _reject_undetermined_profile(smoothed: SmoothedScan, *, axisymmetric: bool) 
     )
     if smoothed.fit.degree == MAX_MODE_DEGREE:
         remedy = "shorter waves than these resolve need an actuator.profile by formula"
+    sides = [
+        min(each.max(), -each.min()) < MAX_PART_OVERLAP_FRACTION * half < 0.5 * np.ptp(each)
+        for each, half in zip((scan.x_m, scan.y_m), surface.half_extents_m, strict=True)
+    ]
+    part = f"; of a model of a half or a quarter {surface.whole_of_part}" * any(sides)
     if axisymmetric:
         named[0] = f"r = {net_points[hole].real * 1e3:.2f} mm"
     raise_first_problem(
         scan.path,
         {
             f"no point was measured within {distance[hole] * 1e3:.1f} mm of {named[0]}; the scan "
-            f"needs points there, or {surface.config_key} is too large": distance[hole]
+            f"needs points there, or {surface.config_key} is too large{part}": distance[hole]
             > MAX_HOLE_RADIUS_FRACTION * min(surface.half_extents_m),
             f"the profile is known to ±{error[worst]:.0%} of its maximum only at {named[1]}, by "
             f"modes of degree {smoothed.fit.degree}; {remedy}": error[worst] > MAX_PROFILE_ERROR,

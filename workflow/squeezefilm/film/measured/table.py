@@ -102,9 +102,13 @@ REMEDY_OF_FILE_SIGNATURE = {
 }
 """How files begin that are no text, or no table, and what to do with them."""
 REMEDY_OF_TEXT_PATTERN = {
-    r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T": "a print or punch file "
-    "of Nastran's, without positions in the table; export the grid points' positions and "
-    "displacements as a universal file (.unv) or as one table: x, y and T3, with units",
+    r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T|E I G E N V E C T O R": "a "
+    "print or punch file of Nastran's, without positions in the table; export the grid points' "
+    "positions and displacements as a universal file (.unv) or as one table: x, y and T3, with "
+    "units",
+    r"(?m)^\s*(?:LIST ALL SELECTED NODES|PRINT U .*NODAL SOLUTION)": "a list of ANSYS, with "
+    "positions and displacements in different tables; export Directional Deformation from "
+    "Mechanical (Options, Export, Include Node Location), or write one table: x_m, y_m, uz_m",
     r"(?m)^% Grid\s*$": "a grid of COMSOL's; export with the data format Spreadsheet",
     r"(?m)^\s*VARIABLES\s*=": "a Tecplot file; in place of the lines above the numbers write one "
     "that names the columns, such as x_mm y_mm amplitude_um",
@@ -121,6 +125,8 @@ NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN = (
     re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"),
     re.compile(r".*[\s,;][-+]?\d"),
 )
+# Of all nodes of a body: the share of a face's, of others, and how far off they are, over the face.
+MIN_FACE_FRACTION, MIN_OFF_FRACTION, MAX_HEIGHT_FRACTION = 0.1, 0.1, 0.05
 # So many rows at a place that differ in time are a time series.
 MIN_TIME_SERIES_ROWS = 8
 TIME_SERIES_REMEDY = "export amplitude and phase at the actuator's frequency"
@@ -160,8 +166,9 @@ def read_point_table(
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.column_index for column in columns.values()}
-        ignored = [repr(name) for name in header if scan_column_of_cell(name) is None]
-        beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
+        understood = {each.name for each in header_columns(header) if each.quantity != "height"}
+        ignored = [repr(name) for name in header if name not in understood]
+        beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         problems[-1:] = [
             f"{problem}; the columns are {', '.join(columns)}{beside}" for problem in problems[-1:]
@@ -171,7 +178,8 @@ def read_point_table(
             for each in header_columns(header)
             if each.quantity == "time" and problems and not motion
         ]
-        problems += unit_problems(columns.values())
+        unplaced = {"r", "phi"} if {"x", "y"} <= {*columns} else set[str]()
+        problems += unit_problems([columns[name] for name in columns if name not in unplaced])
         if any(column.power for column in motion) and frequency_hz is None:
             problems.append(FREQUENCY_NEEDED_MESSAGE)
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
@@ -179,6 +187,12 @@ def read_point_table(
         if problems:
             raise InputError("; and ".join(problems))
     needed = max(taken) + 1
+    for again in range(first, len(lines)):
+        if lines[again] == lines[index] and not COMMENT_PATTERN.match(lines[index]):
+            raise InputError(
+                f"line {again + 1}: the header stands again: a second table; keep the rows of one, "
+                "or join them below one header"
+            )
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
@@ -189,6 +203,8 @@ def read_point_table(
         if at not in taken
     ]
     cells, settings = _rows_of_requested_measurement(cells, settings, rows or "")
+    if rows is not None:
+        _reject_points_off_surface(cells, settings, columns)
     cells, states, invalid = valid_rows(cells, settings)
     others = [repr(each.name) for each in settings if each not in states]
     notes += [*[f"ignored columns: {', '.join(others)}"] * bool(others), *invalid]
@@ -232,6 +248,32 @@ def _rows_of_requested_measurement(
                 raise InputError(f"no row has this value; {distinct_values_text(values)}")
         free = [other for other in free if other is not column]
     return cells, free
+
+
+def _reject_points_off_surface(
+    cells: pd.DataFrame, others: Sequence[ScanColumn], columns: dict[str, ScanColumn]
+) -> None:
+    """Reject all nodes of a body: many at one height, others at heights far from it."""
+    for column in others:
+        if column.quantity != "height" or "x" not in columns or cells.empty:
+            continue
+        x_m, z_m = (
+            parse_numbers(cells[each.column_index]) * (each.size or columns["x"].size or 1.0)
+            for each in (columns["x"], column)
+        )
+        heights = normalise_cells(cells[column.column_index])
+        common = heights.mode().iloc[-1]
+        at_face = heights == common
+        apart = abs(z_m - z_m[at_face].iloc[0])
+        if (
+            at_face.mean() > MIN_FACE_FRACTION
+            and (apart > MAX_HEIGHT_FRACTION * np.ptp(x_m)).mean() > MIN_OFF_FRACTION
+        ):
+            raise InputError(
+                f"column {column.name!r} has points at several heights, {z_m.min() * 1e3:.4g} to "
+                f"{z_m.max() * 1e3:.4g} mm; take those of the surface by actuator.profile.rows: "
+                f"{column.name} = {common} or another height; or leave the column out"
+            )
 
 
 def _one_row_per_position(
@@ -312,7 +354,7 @@ def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     place = {*known} & {"x", "y", "r", "phi"}
     both = place > {"x", "y"}
     return {
-        "r or phi stands beside x and y; leave it out, or call it amplitude or phase": both,
+        "r or phi stands beside x and y; leave it out, or call it amplitude_um or phase_deg": both,
         "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
         "table as its amplitude": not both
         and place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
@@ -382,8 +424,8 @@ def _table_cells(
 ) -> tuple[pd.DataFrame, list[str]]:
     """The cells below a header of so many names, the first of them needed, by their line.
 
-    Lines above and below rows that all begin with a number are none if they begin with a word; a
-    note names them.
+    Lines above and below rows that all begin with a number are none if their first cell that is
+    not empty begins with a word; a note names them.
     """
     rows = {
         number: _split_cells(line, separator)
@@ -392,7 +434,8 @@ def _table_cells(
         and not COMMENT_PATTERN.match(line)
         and not RULED_LINE_PATTERN.fullmatch(line)
     }
-    start = pd.Series({number: cells[0] for number, cells in rows.items()}, dtype=object)
+    first_cells = {number: next(filter(None, cells), "") for number, cells in rows.items()}
+    start = pd.Series(first_cells, dtype=object)
     words = start.str.fullmatch(WORD_LINE_PATTERN).astype(bool) & ~start.map(is_missing).astype(
         bool
     )

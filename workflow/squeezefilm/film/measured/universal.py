@@ -19,6 +19,7 @@ import numpy as np
 from squeezefilm.errors import InputError, raise_first_problem, requires_extra
 from squeezefilm.film.measured.scan import (
     MAX_FINITE_VALUE,
+    MAX_MODE_DISTANCE_FRACTION,
     Scan,
     angular_frequency,
     missing_points_note,
@@ -57,9 +58,8 @@ NAME_OF_DIRECTION = {
     number: f"{'+-'[number < 0]}{'XYZ'[abs(number) - 1]}" for number in (-3, -2, -1, 1, 2, 3)
 }
 REFERENCE_PATTERN = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
-# A mode is at most so far from the actuator's frequency, as a share, and by this factor nearer than
-# any other.
-MAX_MODE_FREQUENCY_OFFSET, MIN_FREQUENCY_OFFSET_RATIO = 0.1, 3
+# A mode is by this factor nearer to the actuator's frequency than any other.
+MIN_FREQUENCY_OFFSET_RATIO = 3
 
 
 def read_universal_file(path: Path, frequency_hz: float | None, rows: str) -> Scan:
@@ -159,12 +159,12 @@ def _scan_of_mode_shape(
             and not asked,
             f"none is at {frequency_hz:.7g} Hz (actuator.frequency); say which by "
             "actuator.profile.rows: mode = NUMBER": not rows
-            and away[nearest] > MAX_MODE_FREQUENCY_OFFSET,
+            and away[nearest] > MAX_MODE_DISTANCE_FRACTION,
             f"several are near {frequency_hz:.7g} Hz (actuator.frequency); say which by "
             f"actuator.profile.rows: mode = {numbers[nearest]}": not rows
             and others
             and away[others[0]]
-            < min(MIN_FREQUENCY_OFFSET_RATIO * away[nearest] + 1e-3, MAX_MODE_FREQUENCY_OFFSET),
+            < min(MIN_FREQUENCY_OFFSET_RATIO * away[nearest] + 1e-3, MAX_MODE_DISTANCE_FRACTION),
         },
     )
     at = asked[0] if asked else int(nearest)
