@@ -117,7 +117,7 @@ FILM = ["gas", *SHAPES]
 
 def sections(*names):
     """Sections of the study, all if none is named, and what is in their files: a rule's parameter."""
-    found = CONFIG.sections(*names)
+    found = CONFIG.sections_as_dict(*names)
     named = [
         CONFIG.path.parent / file
         for file, section in (
