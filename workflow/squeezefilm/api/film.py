@@ -159,7 +159,7 @@ class Film:
         ``gas``: name, inertia, thermal, rarefaction; ``solver``: tolerance, method.
 
         By default the gas is air at 20 °C, with inertia and thermal effects where they matter, the
-        pad a flat rectangle at rest and the relative tolerance 1e-6. The path of a measured
+        pad a flat rectangle at rest and the relative tolerance 1e-4. The path of a measured
         profile's file is relative to the working directory.
         Raises InputError naming the key, what is wrong with it and what is allowed.
 
