@@ -107,7 +107,9 @@ class Factors:
             {name: each[index] for name, each in self.columns.items()}, self.position_columns
         )
 
-    def outside(self, ranges: Mapping[str, tuple[float, float]]) -> dict[str, NDArray[np.bool_]]:
+    def outside_masks(
+        self, ranges: Mapping[str, tuple[float, float]]
+    ) -> dict[str, NDArray[np.bool_]]:
         """Return masks of the points beyond the range of each factor, shape (n,).
 
         At the centre no direction is, for all are the same there.

@@ -63,12 +63,12 @@ def plot(options: argparse.Namespace) -> None:
         return _save_figure_of_table(options.figure, ("h0_m", "hv_m"), curve_figure, options.output)
     if options.figure == "profile" and options.results and options.results.suffix in tables:
         from squeezefilm_workflow.reporting.figures.maps import (
-            VIBRATION_PROFILE_COLUMNS,
+            REQUIRED_PROFILE_COLUMNS,
             draw_profile_table,
         )
 
         return _save_figure_of_table(
-            options.results, VIBRATION_PROFILE_COLUMNS, draw_profile_table, options.output
+            options.results, REQUIRED_PROFILE_COLUMNS, draw_profile_table, options.output
         )
     check_formats(options.output, (*PICTURE_SUFFIXES, ".csv"))
     if options.results is None:
@@ -82,7 +82,9 @@ def plot(options: argparse.Namespace) -> None:
     if place not in figures:
         known = ", ".join(name.removeprefix("figures/") for name in figures)
         raise InputError(f"there is no figure {options.figure!r}; the figures are {known}")
-    draw_and_save(figures[place], Results.of(options.results, options.config), options.output)
+    draw_and_save(
+        figures[place], Results.of_folder(options.results, options.config), options.output
+    )
 
 
 def _save_figure_of_table(
@@ -141,7 +143,7 @@ def recommend(options: argparse.Namespace) -> None:
     """
     from squeezefilm_workflow.reporting.models import recommendation_table
 
-    results = Results.of(options.results, options.config)
+    results = Results.of_folder(options.results, options.config)
     table = recommendation_table(results)
     if table["model"].isna().all():
         raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
@@ -174,7 +176,7 @@ def check(options: argparse.Namespace) -> int:
     """
     from squeezefilm_workflow.reporting.check import FAILED, check_table, terminal_text
 
-    table = check_table(Results.of(options.results, options.config), options.reference)
+    table = check_table(Results.of_folder(options.results, options.config), options.reference)
     if options.output:
         write_table(table, options.output)
     print(terminal_text(table, options.results))
@@ -195,6 +197,8 @@ def reference(options: argparse.Namespace) -> None:
     """
     from squeezefilm_workflow.reporting.check import study_quantities, write_reference
 
-    quantities = study_quantities(Results.of(options.results, options.config), options.output)
+    quantities = study_quantities(
+        Results.of_folder(options.results, options.config), options.output
+    )
     write_reference(quantities, options.results, options.output)
     print(f"{options.output}: written")
