@@ -71,7 +71,7 @@ class Fields:
         terms: those that the scenes have.
         equation_number_table: the numbers of each scene's equation; they come as columns, to go
             with fields: ``number``.
-        static_gap, gap: H at rest, and H.
+        static_gap_ratio, gap: H at rest, and H.
         area, conformal_map_slope, conformal_map_log_slope: those of an outline at the nodes
             (grid.py), (x, y, 1).
     """

@@ -295,7 +295,7 @@ class Launch:
         host_results: room for what the device says of the scenes, and their first guesses. It
             begins with what is said in rows; kernels read states in vectors.
         result_spans: RESULT_SPAN_DTYPE of each batch on each of its grids.
-        pooled_arrays: what ``input_values`` and ``host_results`` are the beginnings of, of the
+        pooled_host_arrays: what ``input_values`` and ``host_results`` are the beginnings of, of the
             device's pool.
         results_buffer: the device's of ``host_results``.
         kernel_event: the kernel's event.
