@@ -45,6 +45,8 @@ ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, str, float]] = {
     "THIN_LAYER_RATIO": (resolution, "THIN_LAYER_RATIO", 0.0),
     "UNEVEN_SIGMA": (resolution, "UNEVEN_SIGMA", float("inf")),
     "VELOCITY_SIZE_FRACTION": (error_estimate, "VELOCITY_SIZE_FRACTION", 0.0),
+    "RESOLVED_MODES_FRACTION": (error_estimate, "RESOLVED_MODES_FRACTION", 0.0),
+    "UNRESOLVED_SIZE_FRACTION": (error_estimate, "UNRESOLVED_SIZE_FRACTION", 0.0),
 }
 
 
