@@ -106,8 +106,8 @@ def estimate_errors(
 def resolved_change(before: tuple[Grid, np.ndarray], after: tuple[Grid, np.ndarray]) -> np.ndarray:
     """Return the root mean square of a change in the lowest modes of space, (n,).
 
-    Flow with inertia is not smooth at a corner: between its nodes the state on a grid is off by
-    thirty times what the force is. That lies in the higher modes.
+    Flow with inertia is not smooth at a corner: between the nodes of a grid its state has up to
+    thirty times the error that the force has. That error lies in the higher modes.
 
     Args:
         before, after: a grid and the means of films' pressures over a period there, (n, nx, ny).
