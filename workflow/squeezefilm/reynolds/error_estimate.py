@@ -7,7 +7,7 @@ from math import ceil, isfinite
 import numpy as np
 
 from squeezefilm.film.scene import Scenes
-from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.grid import Grid, carrying_matrices
 from squeezefilm.reynolds.terms import Terms, have_velocities
 
 # The moments of a change may be small by chance where its size is not. So this share of the size
@@ -113,7 +113,7 @@ def resolved_change(before: tuple[Grid, np.ndarray], after: tuple[Grid, np.ndarr
         before, after: a grid and the means of films' pressures over a period there, (n, nx, ny).
     """
     (coarse, means_before), (fine, means) = before, after
-    to_fine_x, to_fine_y = coarse.x.at(fine.x.nodes), coarse.y.at(fine.y.nodes)
+    _, to_fine_x, to_fine_y = carrying_matrices(coarse, fine, terms=()).values()
     count_x, count_y = (ceil(RESOLVED_MODES_FRACTION * count) for count in (coarse.nx, coarse.ny))
     to_modes_x, to_modes_y = fine.x.modes[2][:count_x], fine.y.modes[2][:count_y]
     with np.errstate(invalid="ignore", over="ignore"):  # where there is no state

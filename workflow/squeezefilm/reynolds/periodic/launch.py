@@ -322,9 +322,9 @@ class Launch:
                 of_scenes = rows_of_results[first + stage : first + count * stages : stages]
                 means = self.results[begin : begin + count * means_size]
                 mean_pressures.append((grid, means.reshape(count, grid.nx, grid.ny)))
-                if stage > 0 and have_velocities(batch.terms):
-                    of_scenes["resolved"] = resolved_change(*mean_pressures[-2:])
                 of_batch.append(States(grid, unknowns.reshape(count, -1, *grid.shape), of_scenes))
+            if stages > 1 and have_velocities(batch.terms):
+                of_scenes["resolved"] = resolved_change(*mean_pressures[-2:])
             states.append(of_batch)
             first += count * stages
         return states
