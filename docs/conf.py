@@ -16,10 +16,10 @@ os.environ["PYTHONPATH"] = str(WORKFLOW)  # for the notebook's kernel
 import yaml
 
 from squeezefilm import __version__
-from squeezefilm.cli.main import modules_of_commands
+from squeezefilm.cli.main import module_of_command
 from squeezefilm.columns import COLUMNS
-from squeezefilm.config.keys import key_table, schema
-from squeezefilm.film.gas import GASES_TABLE
+from squeezefilm.config.keys import key_table, study_schema
+from squeezefilm.film.gas import GASES_TABLE_PATH
 from squeezefilm.film.validity import VALIDITY_LIMITS
 
 project, version, release = "squeezefilm", __version__, __version__
@@ -133,23 +133,23 @@ def write_generated() -> None:
     """Write keys, columns, help of all commands, limits of validity, claims, measured tables."""
     GENERATED.mkdir(exist_ok=True)
     rows = [
-        f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unknown_above)} "
-        f"| {bound(limit.not_above)} | {limit.source} |"
+        f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unverified_above)} "
+        f"| {bound(limit.not_applicable_above)} | {limit.source} |"
         for limit in VALIDITY_LIMITS
     ]
     (GENERATED / "limits.md").write_text("\n".join([*HEAD_OF_LIMITS, *rows]), encoding="utf-8")
     names = (f"| `{name}` | {' | '.join(column[1:4])} |" for name, column in COLUMNS.items())
     head = "| column | unit | meaning | tables |", "| --- | --- | --- | --- |"
     (GENERATED / "columns.md").write_text("\n".join([*head, *names]), encoding="utf-8")
-    (GENERATED / "keys.md").write_text(key_table(schema()), encoding="utf-8")
-    table, sources = stored(GASES_TABLE)
+    (GENERATED / "keys.md").write_text(key_table(study_schema()), encoding="utf-8")
+    table, sources = stored(GASES_TABLE_PATH)
     (GENERATED / "gases.md").write_text("\n".join([*table, "", *sources]), encoding="utf-8")
     (GENERATED / "citation.md").write_text("\n".join(citation()), encoding="utf-8")
     (GENERATED / "claims.md").write_text("\n".join(claims()), encoding="utf-8")
     for path in sorted((HERE / "data").glob("*.csv")):
         (GENERATED / f"{path.stem}.md").write_text(measured(path), encoding="utf-8")
     helps = []
-    for name in modules_of_commands():
+    for name in module_of_command():
         words = [sys.executable, "-m", "squeezefilm", name, "--help"]
         text = subprocess.run(words, capture_output=True, text=True, check=True, cwd=WORKFLOW)
         helps.append(f"## {name}\n\n```text\n{text.stdout}```\n")

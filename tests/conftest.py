@@ -15,8 +15,8 @@ import pytest
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.provenance import WORKFLOW_DIR
-from squeezefilm.sections import key_of
-from squeezefilm.studies.study import scene_of
+from squeezefilm.sections import key_of_name
+from squeezefilm.studies.study import scene_of_study
 from squeezefilm_workflow.mock import mock_snakemake
 
 SHARING_ONE_RUN = tuple(
@@ -76,7 +76,7 @@ def quick(repository):
 @pytest.fixture(scope="session")
 def scene(paper):
     """The paper's operating point beyond its screen."""
-    return scene_of(paper, 5e-6, 2.2e-6)
+    return scene_of_study(paper, 5e-6, 2.2e-6)
 
 
 @pytest.fixture(scope="session")
@@ -133,7 +133,7 @@ def edited(repository, tmp_path):
 def as_written(values: Any) -> Any:
     """Sections as a file has them, whose keys have no unit."""
     if isinstance(values, dict):
-        return {key_of(key): as_written(value) for key, value in values.items()}
+        return {key_of_name(key): as_written(value) for key, value in values.items()}
     return values
 
 

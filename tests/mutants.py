@@ -115,8 +115,8 @@ MUTATIONS = {
     ),
     "D-criterion": Mutation(
         "designs/paper_design.py",
-        "np.sum(1 / np.maximum(pair_distances(points), 1 / SINGULAR_CRITERION), axis=-1)",
-        "np.sum(0.5 / np.maximum(pair_distances(points), 1 / SINGULAR_CRITERION), axis=-1)",
+        "np.sum(1 / np.maximum(pair_distances(points), 1 / SINGULAR_CRITERION_VALUE), axis=-1)",
+        "np.sum(0.5 / np.maximum(pair_distances(points), 1 / SINGULAR_CRITERION_VALUE), axis=-1)",
         (f"{UNIT}/test_paper_design.py::test_the_searches_end_in_two_patterns",),
     ),
 }

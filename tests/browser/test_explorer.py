@@ -12,13 +12,13 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
 from squeezefilm.config.loading import load_config
-from squeezefilm.dynamics.response import modulation_gains, response
+from squeezefilm.dynamics.response import force_response, modulation_gains
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.study import scene_of_study
 from squeezefilm.tables import FACTOR_COLUMNS, read_ok_forces
-from squeezefilm.units import round_to_error
+from squeezefilm.units import value_and_error_texts
 
 from .conftest import Browser
 
@@ -84,7 +84,7 @@ class Explorer:
 
     def library_n(self, name: str) -> float:
         fit = self.fit(name)
-        factors = fit.with_limits(Factors.of(**self.factors()))
+        factors = fit.with_asymptotic_forces(Factors.of(**self.factors()))
         return float(fit.force_model.evaluate(fit.theta, factors)[0])
 
 
@@ -157,7 +157,7 @@ def test_the_page_gives_a_value_the_digits_of_its_error_as_the_library_does(expl
         "return arguments[0].map((each) => toItsError(...each))", RESULT_ROW
     )
     for (value, error), shown in zip(RESULT_ROW, told, strict=True):
-        ours = [float(text) for text in round_to_error(value, error)]
+        ours = [float(text) for text in value_and_error_texts(value, error)]
         assert [float(text.replace("−", "-")) for text in shown] == ours
 
 
@@ -175,8 +175,8 @@ def test_modulation_is_that_of_the_films_around_the_point(explorer, results):
     )
     row = screen.iloc[len(screen) // 2]
     (shown,) = explorer.browser.run(films, row.h0_m, row.hv_m)["films"]
-    scene = scene_of(config, row.h0_m, row.hv_m)
-    library = response(scene)
+    scene = scene_of_study(config, row.h0_m, row.hv_m)
+    library = force_response(scene)
     for name in ("corner_hz", "static_gain", "instantaneous_gain"):
         assert shown[name] == pytest.approx(getattr(library, name), rel=1e-6)
     frequency_hz = pd.read_csv(results / "simulations/screen/gains.csv")["frequency_hz"].unique()

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from squeezefilm_workflow.paper.figures import FIGURES
 from squeezefilm_workflow.reporting.check import PICTURES_FOLDER as PLACE
 from squeezefilm_workflow.reporting.figures import style
-from squeezefilm_workflow.reporting.figures.style import PLAIN_SUFFIX
+from squeezefilm_workflow.reporting.figures.style import PLAIN_PICTURE_SUFFIX
 from squeezefilm_workflow.reporting.results import Results as StudyResults
 
 from ..workflow.conftest import QUICK, copy_checkout, snakemake
@@ -36,7 +36,7 @@ def edit(path: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
 
 def redraw(results: Results, name: str, change: Callable[[Figure], None]) -> None:
     """Draw a figure's picture anew, with something changed."""
-    path = results.folder / PLACE / f"{name}{PLAIN_SUFFIX}"
+    path = results.folder / PLACE / f"{name}{PLAIN_PICTURE_SUFFIX}"
     study = StudyResults.of(results.folder, results.checkout / "config/quick.yaml")
     with style.figure_style(notes=False):
         figure, _ = FIGURES[f"figures/{name}"](study)

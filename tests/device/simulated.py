@@ -13,11 +13,11 @@ import numpy as np
 from squeezefilm.film.scene import Scenes
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import Batch, grid_on_pad, in_single_precision, launch
-from squeezefilm.reynolds.self_test import test_films
+from squeezefilm.reynolds.periodic.launch import Batch, grid_on_pad, launch, uses_single_precision
+from squeezefilm.reynolds.self_test import test_cases
 from squeezefilm.reynolds.terms import terms_of
 
-KERNELS = tuple(test_films())
+KERNELS = tuple(test_cases())
 # Every branch is reached, and steps in single precision end where devices agree.
 TOLERANCE, IN_DOUBLE = 1e-6, 1e-3
 # What is made wrong in vectors.cl on demand, to see that it is found.
@@ -31,9 +31,9 @@ FAULTS = {
 
 def means(device: Device, kernel: str) -> list[float]:
     """Mean overpressures in units of p0: of a film on two grids, and another on the first."""
-    scene, grid = test_films()[kernel]
+    scene, grid = test_cases()[kernel]
     terms = terms_of(scene)
-    tolerance = TOLERANCE if in_single_precision(terms) else IN_DOUBLE
+    tolerance = TOLERANCE if uses_single_precision(terms) else IN_DOUBLE
     shape = grid.fold_x, grid.fold_y
     grids = [grid_on_pad(scene, Grid(points, 4, 8, *shape)) for points in (4, 6)]
     other = replace(scene, hv_m=0.7 * scene.hv_m)

@@ -9,7 +9,7 @@ import pytest
 
 import squeezefilm as sf
 from squeezefilm.cli.main import main
-from squeezefilm.reynolds.device import DEVICE_VARIABLE, device_name, list_devices
+from squeezefilm.reynolds.device import DEVICE_ENV_VARIABLE, device_name, list_devices
 
 POCL = "Portable Computing Language"
 OTHERS = [
@@ -44,7 +44,7 @@ def test_forces_and_derivatives_agree_within_their_errors(tmp_path):
 
 def test_a_study_has_the_same_model(repository, monkeypatch):
     def solved(device):
-        monkeypatch.setenv(DEVICE_VARIABLE, device)
+        monkeypatch.setenv(DEVICE_ENV_VARIABLE, device)
         return sf.load(repository / "config/quick.yaml").fit("limit_1").theta
 
     one, other = on_both(solved)

@@ -18,12 +18,12 @@ COMPILED = ("slip", "fukui-kaneko, polytropic", "any gap, wide and narrow", "ell
 def test_large_work_groups_give_the_stored_forces(monkeypatch) -> None:
     """Of as many items as a graphics processor is given."""
     monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
-    films = {name: self_test.test_films()[name] for name in COMPILED}
-    monkeypatch.setattr(self_test, "test_films", lambda: films)
-    stored = pd.read_csv(self_test.STORED_FORCES, index_col="film")["mean_overpressure"][
+    films = {name: self_test.test_cases()[name] for name in COMPILED}
+    monkeypatch.setattr(self_test, "test_cases", lambda: films)
+    stored = pd.read_csv(self_test.STORED_FORCES_PATH, index_col="film")["mean_overpressure"][
         list(films)
     ]
-    found = self_test.forces_of_test_films(choose_device(work_items=128))
+    found = self_test.forces_of_test_cases(choose_device(work_items=128))
     assert found == pytest.approx(stored.to_dict(), rel=self_test.FORCE_TOLERANCE)
 
 

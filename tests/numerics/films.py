@@ -14,8 +14,8 @@ from squeezefilm.reynolds.asymptotics.composite import AsymptoticForces, expand_
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import States, solve_batch
-from squeezefilm.reynolds.plan import plan_of
+from squeezefilm.reynolds.periodic.launch import PeriodicStates, solve_batch
+from squeezefilm.reynolds.plan import solve_plan_of
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
@@ -60,7 +60,7 @@ def film(
 
 def periodic_state(
     scene: Scene, *, points: int, instants: int, fold: bool = False, tolerance: float = 1e-10
-) -> tuple[Grid, States]:
+) -> tuple[Grid, PeriodicStates]:
     """The scene solved on one given grid: ``points`` across the pad in both directions."""
     unknowns = points // 2 if fold else points
     grid = Grid(nx=unknowns, ny=unknowns, nt=instants, fold_x=fold, fold_y=fold)
@@ -100,7 +100,7 @@ def expansion_of(
     expand: Callable[[Films], AsymptoticForces], scene: Scene, *, tolerance: float
 ) -> tuple[float, float]:
     """A scene's force by an expansion and its error, in newtons."""
-    found = expand_scenes(expand, plan_of(scene), [0], tolerance=tolerance)
+    found = expand_scenes(expand, solve_plan_of(scene), [0], tolerance=tolerance)
     return found.mean[0] * scene.force_scale_n, found.error[0] * scene.force_scale_n
 
 
@@ -117,7 +117,7 @@ class AsTheGap:
         return 1 + rise_m / self.scene.h0_m
 
 
-def saying(states: States, **values: np.ndarray) -> States:
+def saying(states: PeriodicStates, **values: np.ndarray) -> PeriodicStates:
     """States of which something else is said."""
     said = states.results.copy()
     for name, each in values.items():

@@ -42,5 +42,5 @@ def residual(films: Fields) -> np.ndarray:
     """
     flow = films.divergence(films.slope * (films.mobility * films.mass))
     moved = films.sigma * films.area * films.t_derivative(films.mass)
-    moved += films.numbers("bearing", absent=0.0) * films.pad_x_slope(films.mass)
+    moved += films.equation_numbers("bearing", absent=0.0) * films.pad_x_derivative(films.mass)
     return np.asarray((flow - moved)[films.inner])

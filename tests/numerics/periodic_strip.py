@@ -24,7 +24,7 @@ class PeriodicStrip:
     sigma: float
     profile: Callable[[np.ndarray], np.ndarray]
     points: int = 24
-    instants: int = 21
+    instant_count: int = 21
     disc: bool = False
 
     @cached_property
@@ -49,15 +49,15 @@ class PeriodicStrip:
     @cached_property
     def gap(self) -> np.ndarray:
         """H, shape (nodes, instants)."""
-        phase = 2 * np.pi * np.arange(self.instants) / self.instants
+        phase = 2 * np.pi * np.arange(self.instant_count) / self.instant_count
         return 1 + self.epsilon * self.profile(self.grid.x)[:, None] * np.sin(phase)
 
     @cached_property
-    def in_time(self) -> np.ndarray:
+    def time_derivative_matrix(self) -> np.ndarray:
         """∂/∂T on the instants."""
-        apart = np.arange(self.instants)[:, None] - np.arange(self.instants)
+        apart = np.arange(self.instant_count)[:, None] - np.arange(self.instant_count)
         with np.errstate(divide="ignore"):
-            matrix = 0.5 * (-1.0) ** apart / np.sin(np.pi * apart / self.instants)
+            matrix = 0.5 * (-1.0) ** apart / np.sin(np.pi * apart / self.instant_count)
         np.fill_diagonal(matrix, 0.0)
         return matrix
 
@@ -67,7 +67,7 @@ class PeriodicStrip:
         Args:
             loss: C Re/(24 σ), as ū = −H² ∂P/∂x /σ.
         """
-        return self._mean(self._pressure(loss) - 1).real
+        return self._pad_mean(self._pressure(loss) - 1).real
 
     def stiffness(self, modulation: np.ndarray) -> np.ndarray:
         """Fall of the mean pressure per rise of the gap, as exp(iΩT), Ω in units of ω, (n,)."""
@@ -82,15 +82,15 @@ class PeriodicStrip:
         across, pressure = self.grid.first, self._pressure(0.0)
         changes = []
         for omega in modulation:
-            in_time = self.in_time + 1j * omega * np.eye(self.instants)
+            in_time = self.time_derivative_matrix + 1j * omega * np.eye(self.instant_count)
             driven = self.sigma * (pressure * gap_change) @ in_time.T
             flow = 3 * self.gap**2 * gap_change * pressure * (across @ pressure)
             driven -= self.divergence @ flow
             driven[[0, -1]] = 0.0
-            changes.append(self._mean(self._step(pressure, driven, in_time=in_time)))
+            changes.append(self._pad_mean(self._step(pressure, driven, in_time=in_time)))
         return np.array(changes)
 
-    def _mean(self, field: np.ndarray) -> complex:
+    def _pad_mean(self, field: np.ndarray) -> complex:
         return complex(self.weights @ field.mean(axis=1))
 
     def _pressure(self, loss: float) -> np.ndarray:
@@ -98,12 +98,12 @@ class PeriodicStrip:
         pressure = np.ones_like(gap)
         for _ in range(30):
             slope = across @ pressure
-            residual = self.sigma * (pressure * gap) @ self.in_time.T
+            residual = self.sigma * (pressure * gap) @ self.time_derivative_matrix.T
             residual -= self.divergence @ (gap**3 * pressure * slope)
             for end, inwards in ((0, -1.0), (-1, 1.0)):
                 streams = np.maximum(inwards * gap[end] ** 2 * slope[end], 0.0)
                 residual[end] = pressure[end] - 1 + loss * streams**2
-            step = self._step(pressure, residual, in_time=self.in_time, loss=loss)
+            step = self._step(pressure, residual, in_time=self.time_derivative_matrix, loss=loss)
             pressure = pressure + step
             if np.abs(step).max() < 1e-9:
                 return pressure
@@ -114,7 +114,7 @@ class PeriodicStrip:
     ) -> np.ndarray:
         """Less the inverse of the linearised film times a residual."""
         across, gap = self.grid.first, self.gap
-        (nodes, instants), each = gap.shape, np.arange(self.instants)
+        (nodes, instants), each = gap.shape, np.arange(self.instant_count)
         slope = across @ pressure
         jacobian = np.zeros((nodes, instants, nodes, instants), dtype=in_time.dtype)
         jacobian[np.arange(nodes), :, np.arange(nodes)] = self.sigma * in_time * gap[:, None, :]

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from films import PISTON, SINC, film
 
-from squeezefilm.film.positions import cartesian
+from squeezefilm.film.positions import cartesian_from_polar
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
@@ -28,11 +28,11 @@ def random_scenes(
     like: of gas, pad and profile; its surface bounds the positions.
     """
     random = np.random.default_rng(seed)
-    farthest_m = min(like.actuator.surface.half_extents_m) - like.pad.reach_m
+    farthest_m = min(like.actuator.surface.half_extents_m) - like.pad.max_radius_m
     scenes: list[Scene] = []
     while len(scenes) < count:
         h0_m, epsilon = random.uniform(*H0_M), random.uniform(*EPSILON)
-        place = cartesian(random.uniform(0, farthest_m), random.uniform(0, 45))
+        place = cartesian_from_polar(random.uniform(0, farthest_m), random.uniform(0, 45))
         frequency_hz = math.exp(random.uniform(*np.log(FREQUENCY_HZ)))
         scene = replace(
             like,

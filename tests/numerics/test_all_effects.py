@@ -21,9 +21,9 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, forces_on_grid
 from squeezefilm_workflow.verification.modelling_errors import (
-    included_effects,
+    included_effects_text,
     interval_bounds_percent,
-    random_film,
+    random_scene,
 )
 
 # The command is in the file.
@@ -33,8 +33,8 @@ STORED = pd.read_csv(Path(__file__).parent / "data" / "all_effects.csv", comment
 @pytest.mark.parametrize("seed", STORED["seed"])
 def test_a_modelling_error_holds_all_effects_together(seed: int) -> None:
     (row,) = STORED[STORED["seed"] == seed].itertuples()
-    (scene,) = resolve_auto_terms([random_film(seed)])
-    assert included_effects(scene) == row.included_effects
+    (scene,) = resolve_auto_terms([random_scene(seed)])
+    assert included_effects_text(scene) == row.included_effects
     (budget,) = error_budgets([scene])
     lower, upper = interval_bounds_percent(budget)
     assert lower - row.solved_error_percent <= row.solved_lower_percent
@@ -65,7 +65,7 @@ def test_a_small_edge_loss_is_that_of_first_order(shape):
     scene = heavier(film(epsilon=0.4, sigma=60.0, profile=PISTON, aspect=0.7), 0.02)
     scene = replace(scene, pad=replace(scene.pad, shape=shape))
     plain = Effects(inertia=False, thermal=False, slip="none")
-    both = [plain, replace(plain, edge_coefficient=1.0)]
+    both = [plain, replace(plain, edge_loss_coefficient=1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=24, instants=17)
     (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
     changes, _ = edge_loss_changes([scene], [solution], device=choose_device())
@@ -75,12 +75,12 @@ def test_a_small_edge_loss_is_that_of_first_order(shape):
 def test_the_edge_loss_of_a_film_that_newton_follows_in_shorter_steps_alone():
     """A disc with a node at its rim: from no loss to the whole one Newton's method diverges."""
     terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
-    scene = random_film(31).with_gas(**terms)
+    scene = random_scene(31).with_gas(**terms)
     (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
     ((change, _), (error, _)) = edge_loss_changes([scene], [solution], device=choose_device())[
         ..., 0
     ]
-    both = [Effects(slip="first-order", edge_coefficient=each) for each in (0.0, 1.0)]
+    both = [Effects(slip="first-order", edge_loss_coefficient=each) for each in (0.0, 1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=64, instants=21)
     assert change == pytest.approx(having_n / without_n - 1, abs=error)
 

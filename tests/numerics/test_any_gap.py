@@ -9,7 +9,7 @@ from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, perio
 from physics_facts import fast_piston
 
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.profiles import Profile, Quadrature, StandingWave, TravellingWave
+from squeezefilm.film.profiles import Profile, QuadratureProfile, StandingWave, TravellingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import error_budgets
@@ -19,7 +19,7 @@ from squeezefilm.reynolds.solver import solve
 DISC = Disc(0.01)
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 OTHER = StandingWave(wavelength_m=0.014, direction_deg=60.0, crest_m=0.004)
-TWO_MODES = Quadrature(WAVE, OTHER, component_factors=(0.7, 0.7))
+TWO_MODES = QuadratureProfile(WAVE, OTHER, component_factors=(0.7, 0.7))
 FLAT = GapShape()
 SHAPE = GapShape(tilt_x_m=2e-6, tilt_y_m=-1e-6, crown_m=0.5e-6)
 
@@ -28,9 +28,9 @@ def travelling(direction_deg: float = 0.0) -> Profile:
     return TravellingWave(0.02, direction_deg)
 
 
-def begun_later(angle: float) -> Quadrature:
+def begun_later(angle: float) -> QuadratureProfile:
     """The wave that stands, at another instant called the first."""
-    return Quadrature(WAVE, WAVE, component_factors=(cos(angle), sin(angle)))
+    return QuadratureProfile(WAVE, WAVE, component_factors=(cos(angle), sin(angle)))
 
 
 def shaped(scene: Scene, gap: GapShape = SHAPE) -> Scene:

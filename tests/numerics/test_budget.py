@@ -49,7 +49,7 @@ def test_the_edge_loss_is_that_of_a_strip_at_every_order(
         changes, _ = edge_loss_changes([scene], [solution], device=choose_device())
         lossless.append(solution.force_n)
         losses.append(solution.force_n * changes[:, 0])
-    strip = PeriodicStrip(epsilon, sigma, np.ones_like, instants=33)
+    strip = PeriodicStrip(epsilon, sigma, np.ones_like, instant_count=33)
     without = strip.mean_overpressure()
     for coefficient, change in zip((1.0, 1.54), np.diff(losses, axis=0)[0], strict=True):
         loss = coefficient * scene.modified_reynolds / (24 * scene.sigma)
@@ -76,7 +76,7 @@ def test_effects_together_are_one_solve_more(scene: Scene) -> None:
     assert alone["inertia"] + thermal.percent == pytest.approx(together, abs=0.02)
     assert alone["thermal"] + inertia.percent == pytest.approx(together, abs=0.02)
     assert with_both.effects["inertia"].included
-    assert "inertia" not in with_both.neglected
+    assert "inertia" not in with_both.neglected_effects
 
 
 @pytest.mark.parametrize(("every", "programs"), [("none", 3), ("included", 2)])
@@ -86,10 +86,10 @@ def test_a_force_with_its_budget_waits_for_few_programs(
     """With velocities, with a rarefied gas, with neither: each takes seconds to compile."""
     device = choose_device()
     unused = replace(device, queue=cl.CommandQueue(device.context))
-    built = devices._built_program.cache_info().misses
+    built = devices._cached_program.cache_info().misses
     (found,) = error_budgets([scene.with_gas(inertia=every, thermal=every)], device=unused)
-    assert not found.unknown
-    assert devices._built_program.cache_info().misses - built == programs
+    assert not found.unknown_effect_names
+    assert devices._cached_program.cache_info().misses - built == programs
 
 
 def test_a_force_with_its_budget_takes_few_launches(
@@ -101,7 +101,7 @@ def test_a_force_with_its_budget_takes_few_launches(
     monkeypatch.setattr(refinement, "launch", launch)
     monkeypatch.setattr(states, "solve_batch", solve_batch)
     (found,) = error_budgets([scene])
-    assert not found.unknown
+    assert not found.unknown_effect_names
     assert launch.call_count + solve_batch.call_count <= 16
 
 
@@ -170,14 +170,14 @@ def test_what_is_not_known_has_no_number(scene: Scene) -> None:
     still, heated = error_budgets([at_rest, adiabatic])
     assert still.status != "ok"
     assert all(isnan(each.percent) for each in still.effects.values())
-    assert heated.unknown == ["thermal"]
+    assert heated.unknown_effect_names == ["thermal"]
     assert np.isnan(heated.modelling_error_percent).all()
 
 
 def test_a_total_that_is_unknown_has_a_reason() -> None:
     """Each effect alone is known here, all of them together are not."""
     known = dict.fromkeys(EFFECT_NAMES, Effect(1.0, 0.0))
-    assert ErrorBudget(known, 1.5, (0.8, 1.2)).unknown == []
+    assert ErrorBudget(known, 1.5, (0.8, 1.2)).unknown_effect_names == []
     assert budget_row(ErrorBudget(known, 1.5))["unknown_effects"] == "all effects together"
     without_inertia = ErrorBudget(known | {"inertia": Effect(float("nan"))}, 1.5)
-    assert without_inertia.unknown == ["inertia"]
+    assert without_inertia.unknown_effect_names == ["inertia"]

@@ -13,10 +13,10 @@ from random_scenes import random_films, shares
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
+from squeezefilm.film.profiles import QuadratureProfile, Sinc, StandingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities import derivatives as module
-from squeezefilm.quantities.derivatives import with_derivatives, with_number_changed
+from squeezefilm.quantities.derivatives import scene_with_quantity_changed, with_derivatives
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import Derivatives
 from squeezefilm.tables import read_forces, write_table
@@ -70,7 +70,7 @@ TWO_PHASES = film(
     sigma=300.0,
     x=0.1,
     y=0.05,
-    profile=Quadrature(WAVE, OTHER, component_factors=(0.7, 0.7)),
+    profile=QuadratureProfile(WAVE, OTHER, component_factors=(0.7, 0.7)),
 )
 FILMS = {
     "off the centre": film(epsilon=0.44, sigma=2331.0, x=0.2, y=0.1),
@@ -158,8 +158,8 @@ def test_a_derivative_that_agrees_by_chance_has_the_error_of_others(monkeypatch)
     scene = random_film(33, seed=77).scene
     ratios = []
     closer = derivatives(scene, tolerance=3e-4)
-    for fraction in (module.MIN_CHANGE_FRACTION, 0.0):
-        monkeypatch.setattr(module, "MIN_CHANGE_FRACTION", fraction)
+    for fraction in (module.MIN_GRID_CHANGE_FRACTION, 0.0):
+        monkeypatch.setattr(module, "MIN_GRID_CHANGE_FRACTION", fraction)
         ratios.append(max(shares([derivatives(scene, tolerance=1e-2)], [closer])["h0_m"]))
     assert ratios[0] < 1 < ratios[1]
 
@@ -172,7 +172,7 @@ def test_a_gas_with_inertia_and_thermal_effects_has_derivatives() -> None:
     assert found.status == "ok"
     for name in ("h0_m", "hv_m", "density_kg_per_m3", "prandtl", "viscosity_exponent"):
         unit = scene.h0_m if name.endswith("_m") else getattr(scene.gas, name)
-        beside = [with_number_changed(scene, name, sign * 2e-3 * unit) for sign in (1, -1)]
+        beside = [scene_with_quantity_changed(scene, name, sign * 2e-3 * unit) for sign in (1, -1)]
         ahead, behind = (each.force_n for each in solve(beside, tolerance=1e-6))
         quotient = (ahead - behind) / (4e-3 * unit)
         assert abs(found.value[name] - quotient) <= found.error[name] + 2e-3 * abs(quotient)

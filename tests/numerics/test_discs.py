@@ -12,7 +12,7 @@ from test_outlines import WAVE, curved, ellipse_mm
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.scene import Scene
 from squeezefilm.quantities.model_error import (
-    depth_averaging_percent,
+    depth_averaging_change_percent,
     error_budgets,
     resolve_auto_terms,
 )
@@ -52,7 +52,7 @@ def mean(scene: Scene, *, tolerance: float = 1e-5) -> float:
 def alone(scene: Scene, *, edge_coefficient: float = 0.0) -> float:
     """The same in the radius alone."""
     terms = {name: getattr(scene.gas, name) == "included" for name in BOTH}
-    effects = Effects(**terms, slip="none", edge_coefficient=edge_coefficient)
+    effects = Effects(**terms, slip="none", edge_loss_coefficient=edge_coefficient)
     return force_on_grid(scene, effects, points=64, instants=17) / scene.force_scale_n
 
 
@@ -111,7 +111,7 @@ def test_a_disc_that_resolves_the_profile_lies_within_the_estimate(sigma, reynol
     assert resolved_second_order(sigma, 1e-5) == pytest.approx(1.25 * spring, rel=1e-5)
     scene = ellipse(reynolds, epsilon=1e-3, sigma=sigma)
     resolved = resolved_second_order(sigma, scene.modified_reynolds)
-    change, off = depth_averaging_percent(scene)
+    change, off = depth_averaging_change_percent(scene)
     missed = 100 * (resolved / (alone(scene) / scene.epsilon**2) - 1)
     assert abs(missed) > 0.05
     assert abs(missed - change) < off

@@ -86,7 +86,7 @@ __kernel void most(__global const double4 *values, __global double *result,
     for hidden, expected in ((values[place], 7.0), (np.nan, np.nan)):
         values[place] = hidden
         buffer = cl.Buffer(device.context, cl.mem_flags.WRITE_ONLY, 8)
-        most(device.queue, (1,), (1,), device.copied_to_buffer(values), buffer, cl.LocalMemory(8))
+        most(device.queue, (1,), (1,), device.copy_to_buffer(values), buffer, cl.LocalMemory(8))
         cl.enqueue_copy(device.queue, result, buffer)
         assert np.array_equal(result[0], expected, equal_nan=True)
 

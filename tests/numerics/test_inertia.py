@@ -16,7 +16,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.spectral import axis
+from squeezefilm.reynolds.spectral import cached_axis
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
@@ -248,7 +248,7 @@ def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, obj
 
 def mean_warmth(rate: complex, jump: float) -> complex:
     """Mean over the gap of θ″ − rate θ = −1, whose ends are jump times its slope inwards."""
-    line = axis(24, False)
+    line = cached_axis(24, False)
     square = (line.derivative @ line.derivative - rate * np.eye(26)).astype(complex)
     right = np.full(26, -1.0, dtype=complex)
     for end, inwards in ((0, 1), (-1, -1)):
@@ -265,7 +265,7 @@ def test_the_jump_of_temperature_is_that_of_a_gas_that_conducts_across_the_gap(
     """Warming to round-off, its lag to first order in the jump, what is missed no more than 6j²."""
     scene = film(epsilon=0.2, sigma=200.0, thermal="included", knudsen=knudsen or 1e-12)
     scene = with_gas(scene, rarefaction="slip")
-    numbers = {name: float(value) for name, value in Thermal().numbers(scene).items()}  # type: ignore[arg-type]
+    numbers = {name: float(value) for name, value in Thermal().equation_numbers(scene).items()}  # type: ignore[arg-type]
     jump = 2 * 1.4 / (2.4 * 0.71) * knudsen
     at_rest, slow = (mean_warmth(rate, jump) for rate in (0.0, 1e-4j))
     assert at_rest.real == pytest.approx((1 + numbers["jump_warms"]) / 12, rel=1e-9)

@@ -30,7 +30,7 @@ def test_the_gap_found_is_the_one_that_the_force_was_simulated_at(inertia):
     found = levitate(scene, load_n=force.force_n, **settings)
     assert found.scene.h0_m == pytest.approx(scene.h0_m, abs=2 * found.h0_error_m)
     assert found.h0_error_m < 1e-4 * scene.h0_m
-    assert found.stable
+    assert found.is_stable
 
 
 def test_stiffness_is_the_slope_of_the_force():

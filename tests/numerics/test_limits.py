@@ -20,8 +20,8 @@ from squeezefilm.reynolds.asymptotics.composite import (
     small_amplitude_expansion,
 )
 from squeezefilm.reynolds.asymptotics.films import expansion_axis
-from squeezefilm.reynolds.plan import plan_of
-from squeezefilm_workflow.verification.edge_layers import solve_layer, table_excursions
+from squeezefilm.reynolds.plan import solve_plan_of
+from squeezefilm_workflow.verification.edge_layers import layer_coefficients, table_excursions
 from squeezefilm_workflow.verification.estimates import film_of_row, read_stored_films
 
 STORED = read_stored_films(Path(__file__).parent / "data" / "expanded_films.csv")
@@ -47,9 +47,9 @@ def test_boundary_layer_functions_at_known_excursions(a, d, g):
 @pytest.mark.parametrize("row", [0, 3, 20])
 def test_the_layer_of_a_row_of_the_table_is_found_again(row):
     """``squeezefilm-verification edge-layers``."""
-    table = np.loadtxt(edge_layer.LAYER_TABLE, delimiter=",", skiprows=1)
+    table = np.loadtxt(edge_layer.LAYER_TABLE_PATH, delimiter=",", skiprows=1)
     a = table_excursions()[row]
-    assert (a, *solve_layer(a)) == pytest.approx(table[row], rel=1e-8)
+    assert (a, *layer_coefficients(a)) == pytest.approx(table[row], rel=1e-8)
 
 
 def test_boundary_layer_of_small_excursions_is_linear():
@@ -57,7 +57,7 @@ def test_boundary_layer_of_small_excursions_is_linear():
     d, g = edge_layer.layer_integrals(np.array([a]))
     assert d / a**2 == pytest.approx(-5 * np.sqrt(2) / 8, rel=1e-6)
     assert g / a == pytest.approx(3 / np.sqrt(2), rel=1e-6)
-    ratios = edge_layer.layer_ratios(np.array(a))
+    ratios = edge_layer.scaled_layer_integrals(np.array(a))
     assert ratios == pytest.approx([d[0] / a**2, g[0] / a, -3 / np.sqrt(2)], rel=1e-6)
     assert np.isnan(edge_layer.layer_integrals(np.array([0.99]))[0]).all()
 
@@ -167,7 +167,7 @@ def test_error_estimates_hold_on_random_films(method, largest_median, random_fil
 
 
 def error_over_estimate(row) -> float:
-    plan, layers = plan_of(film_of_row(row).scene), row["expansion"] != "edge layer"
+    plan, layers = solve_plan_of(film_of_row(row).scene), row["expansion"] != "edge layer"
     found = expand_scenes(EXPANSIONS[row["expansion"]], plan, [0], tolerance=1e-4, layers=layers)
     return float((abs(found.mean - row["force"]) / (found.error + row["force_error"])).item())
 

@@ -17,7 +17,7 @@ from squeezefilm.reynolds.asymptotics.composite import (
     high_squeeze_limit,
     small_amplitude_expansion,
 )
-from squeezefilm.reynolds.asymptotics.edge_layer import EXCURSIONS_WITH_INERTIA
+from squeezefilm.reynolds.asymptotics.edge_layer import EXCURSION_COUNT_WITH_INERTIA
 from squeezefilm.reynolds.asymptotics.films import Films, expansion_axis, films_of
 from squeezefilm_workflow.verification.edge_layers import (
     layer_rows_with_inertia,
@@ -31,7 +31,7 @@ Method = Callable[[Films], AsymptoticForces]
 
 def at(a: float, reynolds: float) -> list[float]:
     """(ψ² − 1)/a², d/a², g/a and h/a² of the stored table."""
-    rise, d, g, h = edge_layer.edge_functions(np.array([[a]]), np.array([reynolds]))
+    rise, d, g, h = edge_layer.inertia_layer_functions(np.array([[a]]), np.array([reynolds]))
     scaled = (rise / a**2, d / a**2, g / a, h / a**2)
     return [float(each[0, 0]) for each in scaled]
 
@@ -92,16 +92,18 @@ def test_table_between_its_rows(a: float, reynolds: float) -> None:
 
 def test_the_layer_of_a_row_of_the_table_is_found_again() -> None:
     """``squeezefilm-verification edge-layers``."""
-    table = np.loadtxt(edge_layer.LAYER_TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
+    table = np.loadtxt(edge_layer.LAYER_TABLE_WITH_INERTIA_PATH, delimiter=",", skiprows=1)
     reynolds = table_reynolds_numbers()[2]
     found = layer_rows_with_inertia(reynolds, table_excursions_with_inertia(reynolds)[:1])
-    assert found[0] == pytest.approx(table[2 * EXCURSIONS_WITH_INERTIA], rel=1e-8)
+    assert found[0] == pytest.approx(table[2 * EXCURSION_COUNT_WITH_INERTIA], rel=1e-8)
 
 
 def test_table_says_where_it_ends() -> None:
-    values = edge_layer.edge_functions(np.array([[0.41, 0.39], [0.8, 0.91]]), np.array([10.0, 0.0]))
+    values = edge_layer.inertia_layer_functions(
+        np.array([[0.41, 0.39], [0.8, 0.91]]), np.array([10.0, 0.0])
+    )
     assert np.isnan(values[0]).tolist() == [[True, False], [False, True]]
-    assert np.isnan(edge_layer.edge_functions(np.array([[0.1]]), np.array([10.1]))).all()
+    assert np.isnan(edge_layer.inertia_layer_functions(np.array([[0.1]]), np.array([10.1]))).all()
 
 
 @pytest.mark.parametrize(

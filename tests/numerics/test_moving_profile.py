@@ -123,5 +123,5 @@ def test_the_profiles_motion_is_a_part_of_the_modelling_error():
 
 def test_where_the_pad_passes_the_profile_faster_than_the_film_follows_it_is_unknown():
     (budget,) = error_budgets(scenes_at([0.3], sigma=100.0, bearing=4.0))
-    assert "moving_profile" in budget.unknown
+    assert "moving_profile" in budget.unknown_effect_names
     assert np.isnan(budget.modelling_error_percent).all()

@@ -13,7 +13,7 @@ from physics_facts import ASIDE_N, CENTRED_N
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
 from squeezefilm_workflow.verification import chebyshev_march, finite_elements, numpy_periodic
-from squeezefilm_workflow.verification.films import film
+from squeezefilm_workflow.verification.films import film_scene
 from squeezefilm_workflow.verification.marching import FloatArray, periods_to_settle
 
 ANDERSON = {"tolerance": 1e-7, "anderson_depth": 10}
@@ -21,8 +21,8 @@ SQUEEZE_5UM = 12 * 1.81e-5 * 2 * math.pi * 43_270 * 0.01**2 / (101_325 * 5e-6**2
 NEWTON = 101_325 * 0.01**2  # p0 l0^2
 
 
-CENTRED = film("", 0.44, SQUEEZE_5UM)
-ASIDE = film("", 0.4, SQUEEZE_5UM, x=0.29)
+CENTRED = film_scene("", 0.44, SQUEEZE_5UM)
+ASIDE = film_scene("", 0.4, SQUEEZE_5UM, x=0.29)
 
 
 def periodic(scene: Scene, **settings: Any) -> float:
@@ -52,7 +52,7 @@ def test_periodic_force_converges_spectrally_to_the_known_force(scene, newtons):
 # Time marching, at sigma = 20 where a few periods settle the film
 
 SETTLED = periods_to_settle(sigma=20, tolerance=1e-9)
-SCENE = film("", 0.4, 20.0)
+SCENE = film_scene("", 0.4, 20.0)
 
 
 @pytest.fixture(scope="module")
@@ -62,11 +62,11 @@ def converged():
 
 def elements(scene: Scene = SCENE, **given: Any) -> float:
     settings = {"cells": 4, "steps": 64, "periods": SETTLED} | given
-    return finite_elements.periodic_force(scene, **settings)
+    return finite_elements.periodic_mean_force(scene, **settings)
 
 
 def chebyshev(**settings: Any) -> float:
-    return chebyshev_march.periodic_force(SCENE, **settings)
+    return chebyshev_march.periodic_mean_force(SCENE, **settings)
 
 
 def test_crank_nicolson_is_of_second_order_in_time(converged):
@@ -87,12 +87,12 @@ def test_chebyshev_march_converges_spectrally(converged):
 
 
 def test_finite_elements_agree_on_the_bearing_term():
-    sliding = film("", 0.4, 200.0, 20.0)
+    sliding = film_scene("", 0.4, 200.0, 20.0)
     exact = periodic(sliding, nx=32)
     settings = {"cells": 6, "periods": 40} | ANDERSON
     coarse, fine = (elements(sliding, **settings, steps=n) for n in (32, 64))
     assert (4 * fine - coarse) / 3 == pytest.approx(exact, rel=1e-4)
-    assert exact < 0.98 * periodic(film("", 0.4, 200.0))
+    assert exact < 0.98 * periodic(film_scene("", 0.4, 200.0))
 
 
 # The force of the paper's largest extrapolation, by two other methods
@@ -107,5 +107,5 @@ def test_finite_elements_give_the_known_force():
 def test_marching_gives_the_periodic_solver_s_force():
     """F(5 µm, 2.2 µm) to the digits that README promises."""
     (solution,) = solve([CENTRED], tolerance=1e-8)
-    marched = chebyshev_march.periodic_force(CENTRED, points=14, rtol=1e-8)
+    marched = chebyshev_march.periodic_mean_force(CENTRED, points=14, rtol=1e-8)
     assert marched == pytest.approx(solution.force_n / CENTRED.force_scale_n, rel=4e-8)

@@ -14,11 +14,11 @@ from skfem import MeshTri2
 from squeezefilm.api.film import Film as FilmOfUser
 from squeezefilm.film.outline import read_contour
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.positions import cartesian
+from squeezefilm.film.positions import cartesian_from_polar
 from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.outputs import _outputs_from_states
-from squeezefilm.quantities.pressure import pressure
+from squeezefilm.quantities.pressure import gauge_pressure_and_change
 from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.device import choose_device
@@ -130,10 +130,10 @@ def test_an_ellipse_has_the_forces_of_galerkin_s_method_in_its_modes(
 def test_turning_pad_place_and_profile_changes_nothing(outline):
     """Off the centre and off the axes, so that turning the wrong way would show."""
     scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
-    scene = replace(scene, **cartesian(0.002, 20.0))
+    scene = replace(scene, **cartesian_from_polar(0.002, 20.0))
     wave = replace(WAVE, direction_deg=50.0)
     turned = replace(
-        scene, **cartesian(0.002, 70.0), actuator=replace(scene.actuator, profile=wave)
+        scene, **cartesian_from_polar(0.002, 70.0), actuator=replace(scene.actuator, profile=wave)
     )
     all_turned = pad(turned, rotation_deg=50.0)
     first = mean(scene, tolerance=1e-4)
@@ -188,7 +188,7 @@ def test_a_curve_lies_as_its_file_says(tmp_path):
         y=0.1,
     )
     scene = pad(plain, shape="ellipse", rotation_deg=30.0)
-    rim = np.array(scene.pad.edge_m())
+    rim = np.array(scene.pad.edge_points_m())
     half = 0.5 * np.hypot(
         scene.pad.length_x_m * np.array([np.sqrt(0.75), 0.5]),
         scene.pad.length_y_m * np.array([0.5, np.sqrt(0.75)]),
@@ -231,7 +231,7 @@ def test_a_patch_of_no_symmetry_has_the_force_of_finite_elements(epsilon, sigma,
 
     mesh = triangles((patch(TURN) - middle) / unit + 0.5 + 0.5j * scene.aspect, refined=3)
     coarse, fine = (
-        finite_elements.periodic_force(
+        finite_elements.periodic_mean_force(
             scene, mesh=mesh, steps=steps, periods=150, tolerance=1e-6, anderson_depth=10
         )
         for steps in (24, 48)
@@ -272,7 +272,7 @@ def test_the_pressure_under_a_curve_is_that_under_its_ellipse(tmp_path):
     given = curved(scene, tmp_path, ellipse_mm(scene), sides_m)
     wanted = {"x": np.linspace(0, 1, 9), "y": np.linspace(0, 1, 8), "instants": 8}
     one, other = (
-        pressure(each, **wanted, tolerance=1e-4, device=choose_device())[0]
+        gauge_pressure_and_change(each, **wanted, tolerance=1e-4, device=choose_device())[0]
         for each in (scene, given)
     )
     inside = np.isfinite(one) & np.isfinite(other)

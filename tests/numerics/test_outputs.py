@@ -22,21 +22,21 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.fields import dot
 from squeezefilm.quantities.outputs import (
-    STATE_OUTPUTS,
-    missing_reasons,
+    STATE_OUTPUT_NAMES,
+    missing_output_reasons,
     momentum_outflow_n,
     with_outputs,
 )
-from squeezefilm.quantities.pressure import pressure
+from squeezefilm.quantities.pressure import gauge_pressure_and_change
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
-from squeezefilm.solution import OUTPUTS, Outputs
+from squeezefilm.solution import OUTPUT_COLUMNS, Outputs
 from squeezefilm.tables import merge_forces, read_forces, write_table
 
-ASKED = tuple(name for name in OUTPUTS if name in STATE_OUTPUTS)
+ASKED = tuple(name for name in OUTPUT_COLUMNS if name in STATE_OUTPUT_NAMES)
 AREA_M2 = LENGTH_M**2
 FORCE_N = PRESSURE_PA * AREA_M2
 
@@ -126,7 +126,7 @@ def momentum_from_inside(scene: Scene, grid: Grid, unknowns: np.ndarray) -> np.n
     """
     assert isinstance(grid.x, Axis)
     slip = scene.slip_knudsen if scene.gas.rarefaction == "slip" else 0.0
-    lengths, per_area = grid.lengths(scene.aspect), scene.gas.density_kg_per_m3 * scene.h0_m
+    lengths, per_area = grid.axis_lengths(scene.aspect), scene.gas.density_kg_per_m3 * scene.h0_m
     per_area *= (scene.actuator.angular_frequency_rad_per_s) ** 2 * scene.pad.length_x_m
     parts: list[complex] = []
     for which in (0, 1):
@@ -135,7 +135,7 @@ def momentum_from_inside(scene: Scene, grid: Grid, unknowns: np.ndarray) -> np.n
         along = (grid.x, grid.y)[which]
         if isinstance(along, Axis):
             nodes[which] = FluxPoints(along).all_points
-            to_points = along.to_points(nodes[which])
+            to_points = along.matrix_to_points(nodes[which])
             to_values[which] = to_points[:, 1:-1]
             to_slope[which] = (to_points @ along.derivative)[:, 1:-1]
         else:
@@ -159,8 +159,11 @@ def momentum_from_inside(scene: Scene, grid: Grid, unknowns: np.ndarray) -> np.n
         around = grid.y.weights
         if grid.outline:  # over the conjugate of z′, in a mean with the area behind each point
             mu = grid.outline.edge_mu * (2 * places[0] - 1)
-            turn = grid.outline.map_slope(mu, places[1]) * grid.outline.mean_edge_area_ratio**0.5
-            turn = turn / grid.outline.mean_area_ratio
+            turn = (
+                grid.outline.conformal_map_slope(mu, places[1])
+                * grid.outline.mean_edge_jacobian**0.5
+            )
+            turn = turn / grid.outline.mean_map_jacobian
         else:
             around = interpolatory(nodes[1])
         mean = interpolatory(nodes[0]) @ (field.mean(axis=-1) * turn) @ around
@@ -246,7 +249,7 @@ def test_centre_and_moments_are_those_of_the_pressure_field() -> None:
     scene = film(epsilon=0.4, sigma=300.0, x=0.2, y=0.1, aspect=1.3)
     nodes, shares = np.polynomial.legendre.leggauss(40)
     across = (1 + nodes) / 2
-    field = pressure(
+    field = gauge_pressure_and_change(
         scene, x=across, y=across, instants=16, tolerance=1e-5, device=choose_device()
     )[0]
     mean = np.einsum("tyx,y,x->yx", field, shares / 2, shares / 2) / len(field)
@@ -265,7 +268,7 @@ def test_extremes_lie_between_the_nodes_too() -> None:
     """Beside a field at many places."""
     scene = FILMS["off the centre"]
     found = outputs(scene, "extremes")
-    field = pressure(
+    field = gauge_pressure_and_change(
         scene,
         x=np.linspace(0, 1, 101),
         y=np.linspace(0, 1, 101),
@@ -351,11 +354,11 @@ def test_what_is_not_known_says_why(numbers: dict[str, object], output: str, rea
     scene = film(**{"epsilon": 0.3, "sigma": 300.0} | numbers)
     found = outputs(scene, tolerance=1e-3)
     assert reason in found.missing[output]
-    missing = [name for name in OUTPUTS[output] if name not in found.value]
+    missing = [name for name in OUTPUT_COLUMNS[output] if name not in found.value]
     assert missing
     assert f"{output}: " in found.status
     if reason != "no force":
-        assert missing_reasons(scene, tolerance=1e-3)[output] == found.missing[output]
+        assert missing_output_reasons(scene, tolerance=1e-3)[output] == found.missing[output]
 
 
 def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
@@ -377,7 +380,8 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
         *("thrust_y_error_n", "sliding_friction_n", "sliding_friction_error_n", "outputs_status"),
     ]
     assert (
-        set(list(table)[len(forces) :]) <= Outputs(requested_names=tuple(OUTPUTS)).columns().keys()
+        set(list(table)[len(forces) :])
+        <= Outputs(requested_names=tuple(OUTPUT_COLUMNS)).columns().keys()
     )
     merge_forces(plan, [output], output=whole, keep_failed=False)
     pd.testing.assert_frame_equal(pd.read_csv(whole), table)

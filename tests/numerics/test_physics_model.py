@@ -10,35 +10,35 @@ from changed_sections import changed
 from reference_forces import FOUR_FACTOR_THETA, reference_table
 
 from squeezefilm.config.study import Study
-from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fitting import fit_model
 from squeezefilm.models.force_model import get_model
 from squeezefilm.models.prediction_interval import error_statistics
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.plans import random_plan
-from squeezefilm.studies.space import space_of
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.space import space_of_study
+from squeezefilm.studies.study import scenes_of_table
 from squeezefilm.studies.tasks import physics_limits as limits
-from squeezefilm.studies.tasks.physics_limits import with_asymptotes
+from squeezefilm.studies.tasks.physics_limits import with_asymptotic_forces
 
 
 def limits_of(table: pd.DataFrame, paper: Study) -> pd.DataFrame:
-    return with_asymptotes(table, scenes_in(table, paper))
+    return with_asymptotic_forces(table, scenes_of_table(table, paper))
 
 
 def reference(name: str, paper: Study) -> tuple[Factors, np.ndarray]:
     table = reference_table(name)
-    return factors_of(limits_of(table, paper)), table["force_n"].to_numpy()
+    return factors_of_table(limits_of(table, paper)), table["force_n"].to_numpy()
 
 
 @pytest.fixture(scope="module")
 def control(paper):
     """A thousand random points of the four-factor space, by the periodic state."""
-    ranges = space_of(paper).limits
+    ranges = space_of_study(paper).limits
     table = limits_of(random_plan(points=1000, seed=11, **ranges), paper)
-    scenes = scenes_in(table, paper)
+    scenes = scenes_of_table(table, paper)
     solutions = solve(scenes, tolerance=1e-5, method="periodic")
-    return factors_of(table), np.array([each.force_n for each in solutions])
+    return factors_of_table(table), np.array([each.force_n for each in solutions])
 
 
 def global_error(name: str, theta, points: tuple[Factors, np.ndarray]) -> float:
@@ -68,17 +68,17 @@ def test_each_corrective_parameter_makes_it_better(paper, control):
 
 def with_inertia(table: pd.DataFrame, paper: Study) -> tuple[Factors, np.ndarray, np.ndarray]:
     """A plan's factors with the limits, their errors and the forces by the periodic state."""
-    scenes = scenes_in(table, paper)
+    scenes = scenes_of_table(table, paper)
     scenes = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
-    known = with_asymptotes(table, scenes)
+    known = with_asymptotic_forces(table, scenes)
     solutions = solve(scenes, tolerance=1e-5, method="periodic")
     force_n = np.array([each.force_n for each in solutions])
-    return factors_of(known), known["limit_error_n"].to_numpy(), force_n
+    return factors_of_table(known), known["limit_error_n"].to_numpy(), force_n
 
 
 def test_with_inertia_too_it_needs_no_fitted_parameter(paper) -> None:
     """On the screen and on random points; inertia itself is 2 to 10 % of these forces."""
-    random = random_plan(points=200, seed=11, **space_of(paper).limits)
+    random = random_plan(points=200, seed=11, **space_of_study(paper).limits)
     plan, _, plan_n = with_inertia(reference_table("four_factor"), paper)
     for table in (reference_table("screen"), random):
         factors, error_n, force_n = with_inertia(table, paper)
@@ -117,8 +117,8 @@ def test_a_table_of_limits_has_gaps_and_positions_enough(
     paper, monkeypatch, sections, ranges, error
 ) -> None:
     """Inertia grows like the square of the gap; 7 × 6 positions left half of a wavy force."""
-    box = space_of(paper).limits | ranges
-    monkeypatch.setattr(limits, "space_of", lambda config: SimpleNamespace(limits=dict(box)))
-    table = limits.limit_table_of(changed(paper, **sections))
+    box = space_of_study(paper).limits | ranges
+    monkeypatch.setattr(limits, "space_of_study", lambda config: SimpleNamespace(limits=dict(box)))
+    table = limits.limit_table_of_study(changed(paper, **sections))
     assert table.largest_relative_error < error
     assert len(table.coefficients["limit_n"]) <= limits.MAX_TABLE_NODES

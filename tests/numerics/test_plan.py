@@ -15,7 +15,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.dry_run import dry_run as dry_run_of
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.studies.space import plan
+from squeezefilm.studies.space import plan_table
 from squeezefilm.tables import write_table
 
 PROFILES: tuple[Profile, ...] = (SINC, PISTON, PISTON, StandingWave(0.02, 30.0, 0.001))
@@ -81,7 +81,7 @@ def dry_run(tmp_path):
     def dry_run(*words: str) -> pd.DataFrame:
         scenes, output = tmp_path / "scenes.csv", tmp_path / "plan.csv"
         factors = {"h0_m": [5e-6, 1e-5], "hv_m": 2e-6, "phi_r_m": [0.0, 1e-3], "phi_deg": 0.0}
-        write_table(plan(pd.DataFrame(factors)), scenes)
+        write_table(plan_table(pd.DataFrame(factors)), scenes)
         config = ["--config", "config/paper.yaml", "--output", str(output)]
         assert main(["simulate", str(scenes), *config, "--dry-run", *words]) == 0
         return pd.read_csv(output)

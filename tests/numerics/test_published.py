@@ -91,7 +91,7 @@ def test_plate_slider_rarefied_gas_and_holes_are_as_the_docs_show_them(repositor
     scattered, *flows = [row.exact_deviation for row in rows[5:]]
     assert max(flows) < 5e-4 < scattered < 4e-3
     holes = table(*comparison.compare_radial_films())
-    holes = [row for row in holes if row.quantity != comparison.RADIAL_PRESSURE_TEXT.format(0)]
+    holes = [row for row in holes if row.quantity != comparison.RADIAL_PRESSURE_LABEL.format(0)]
     assert all(20 * row.exact_deviation < row.viscous_deviation < 0.6 for row in holes)
     shown = rows + holes
     cells = docs_rows(repository, "published")

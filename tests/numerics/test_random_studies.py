@@ -8,14 +8,14 @@ import pytest
 from squeezefilm_workflow.verification import comparisons
 from squeezefilm_workflow.verification.comparisons import Comparison, compare_study
 from squeezefilm_workflow.verification.random_studies import (
+    compare_coverages,
     compare_statements,
-    interval_coverages,
     outcome_counts,
 )
 from squeezefilm_workflow.verification.study_generator import (
     PROBABILITIES_OF_KIND,
-    drawn_values,
     random_study,
+    random_study_values,
 )
 
 # Of those that take a second or two: plates, discs, pistons, small pads, every flow model.
@@ -65,7 +65,7 @@ def test_what_has_no_direct_solution_is_not_counted_as_right():
 
 
 def test_prediction_intervals_of_random_studies_hold_their_share_of_fresh_points():
-    table = interval_coverages(
+    table = compare_coverages(
         (46, 38), models=("polynomial_3", "limit_1", "polynomial_5"), fresh=200, sample=200
     )
     assert table["seed"].nunique() == 2
@@ -74,8 +74,8 @@ def test_prediction_intervals_of_random_studies_hold_their_share_of_fresh_points
 
 
 def test_a_seed_draws_the_same_study_and_seeds_draw_all_kinds(tmp_path):
-    assert drawn_values(7) == drawn_values(7)
-    studies = [drawn_values(seed) for seed in range(60)]
+    assert random_study_values(7) == random_study_values(7)
+    studies = [random_study_values(seed) for seed in range(60)]
     kinds = {each["actuator"]["profile"]["kind"] for each in studies}
     assert kinds == {"bessel", "standing-wave", "travelling-wave", "piston"}
     assert {each["pad"]["shape"] for each in studies} == {"rectangle", "ellipse"}

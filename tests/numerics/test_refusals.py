@@ -7,7 +7,7 @@ import pytest
 from films import film
 
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.profiles import Quadrature, StandingWave
+from squeezefilm.film.profiles import QuadratureProfile, StandingWave
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.dry_run import dry_run
 
@@ -16,7 +16,9 @@ FACTOR, SLIP = {"rarefaction": "fukui-kaneko"}, {"rarefaction": "slip"}
 ELLIPSE, TILTED = {"shape": "ellipse"}, {"gap": GapShape(tilt_x_m=1e-6)}
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 TWO_PHASES = {
-    "profile": Quadrature(WAVE, replace(WAVE, direction_deg=60.0), component_factors=(0.7, 0.7))
+    "profile": QuadratureProfile(
+        WAVE, replace(WAVE, direction_deg=60.0), component_factors=(0.7, 0.7)
+    )
 }
 COMPOSITE = "the composite expansion is "
 

@@ -17,8 +17,8 @@ from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.quantities.sheared_gas import (
-    first_order_error,
-    remainder_of_scene,
+    first_order_remainder,
+    first_order_remainder_of_scene,
     sliding_flux_and_mass,
     sliding_stress_on_pad,
     wall_speed,
@@ -51,17 +51,17 @@ def fields_of(film: Film, pressure: np.ndarray) -> SimpleNamespace:
     }
     return SimpleNamespace(
         sigma=strip.sigma,
-        numbers=lambda name, *, absent: numbers.get(name, absent),
-        equation={"flow": np.ones((1, 1))},
-        map_slope=np.ones(1),
+        equation_numbers=lambda name, *, absent: numbers.get(name, absent),
+        equation_number_table={"flow": np.ones((1, 1))},
+        conformal_map_slope=np.ones(1),
         area=1.0,
         gap=gap,
         mass=gap * pressure[None, :, None],
         velocity=np.stack([velocity, 0 * velocity]),
         pressure_rate=film.by_t(pressure)[None, :, None],
         t_derivative=film.by_t,
-        pad_x_slope=along,
-        convected=lambda v: np.stack([v[0] * along(v[0]), 0 * v[0]]),
+        pad_x_derivative=along,
+        convective_acceleration=lambda v: np.stack([v[0] * along(v[0]), 0 * v[0]]),
     )
 
 
@@ -184,8 +184,10 @@ def test_velocity_carried_by_the_wall_is_that_of_its_cartesian_parts():
     swelling = (0.25 - (x - 0.5) ** 2 - (y - 0.5) ** 2) * (1 + x) * np.sin(grid.t.nodes)
     fields = Fields.of([scene], grid, swelling[None, None, 1:-1])
     v, wall = fields.velocity, wall_velocity(fields)
-    by_wall = fields.to_pad_axes(fields.convected(v + wall) - fields.convected(v))
-    parts = [fields.pad_x_slope(each) for each in fields.to_pad_axes(v)]
+    by_wall = fields.to_pad_axes(
+        fields.convective_acceleration(v + wall) - fields.convective_acceleration(v)
+    )
+    parts = [fields.pad_x_derivative(each) for each in fields.to_pad_axes(v)]
     expected = np.stack(parts) * wall_speed(fields) / fields.area
     size = np.abs(expected).max()
     assert by_wall == pytest.approx(expected, rel=0, abs=1e-6 * size)
@@ -214,7 +216,7 @@ def test_what_the_first_order_misses_is_within_what_is_stated(seed):
     changes, still = effects(strip), effects(replace(strip, epsilon=0.0, times=1))
     size, by_vibration = (np.abs(each).sum() for each in (changes, np.subtract(changes, still)))
     widest = (1 + abs(strip.tilt) / 2) ** 2
-    stated = size * first_order_error(
+    stated = size * first_order_remainder(
         bearing=abs(strip.bearing),
         shear_reynolds=widest * strip.reynolds * 2 * abs(strip.bearing) / strip.sigma,
         vibrating_reynolds=widest * strip.reynolds * by_vibration / size,
@@ -290,5 +292,5 @@ def test_what_a_fast_pad_does_to_the_gas_is_unknown():
     """Where second orders are larger than in the strips that were solved."""
     scene = film(epsilon=0.3, sigma=100.0, bearing=10.0)
     heavy = scene.with_gas(density_kg_per_m3=3 * scene.gas.density_kg_per_m3 / scene.shear_reynolds)
-    assert np.isnan(remainder_of_scene(heavy, vibrating=0.0))
-    assert remainder_of_scene(film(epsilon=0.3, sigma=100.0), vibrating=1.0) == 0
+    assert np.isnan(first_order_remainder_of_scene(heavy, vibrating=0.0))
+    assert first_order_remainder_of_scene(film(epsilon=0.3, sigma=100.0), vibrating=1.0) == 0

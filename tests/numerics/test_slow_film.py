@@ -10,18 +10,18 @@ from periodic_strip import PeriodicStrip
 from physics_facts import piston_response
 from scipy.special import ive
 
-from squeezefilm.dynamics.averaged_film import AveragedFilm
+from squeezefilm.dynamics.averaged_film import PeriodAveragedFilm
 from squeezefilm.dynamics.levitation import stiffness_averaging_error
 from squeezefilm.dynamics.pad_grid import disc_grid, outline_grid, rectangle_grid
 from squeezefilm.dynamics.response import (
-    GAIN_AVERAGING_FACTOR,
-    GAIN_LAYER_LAG_FACTOR,
+    GAIN_AVERAGING_ERROR_FACTOR,
+    GAIN_LAYER_LAG_ERROR_FACTOR,
     NEGLECTED_GAS_TERMS,
     SLIP_CHANGE_COLUMNS,
+    force_response,
     modulation_gains,
-    neglected_percent,
+    neglected_changes_percent,
     quasi_static_gains,
-    response,
     start_and_stop_forces,
 )
 from squeezefilm.errors import RunError
@@ -46,13 +46,13 @@ def slow_film(
     aspect: float = 1.0,
     slip: float = 0.0,
     layer: bool = True,
-) -> AveragedFilm:
+) -> PeriodAveragedFilm:
     """The film of a profile on the nodes of ``films.expansion_axis``, shape (nx + 2, ny + 2)."""
     films = films_of(np.array([epsilon]), np.array([sigma]), amplitude[None], aspect=aspect)
-    return AveragedFilm(rectangle_grid(films), epsilon, sigma, slip, layer)
+    return PeriodAveragedFilm(rectangle_grid(films), epsilon, sigma, slip, layer)
 
 
-def strip(aspect: float, *, layer: bool) -> AveragedFilm:
+def strip(aspect: float, *, layer: bool) -> PeriodAveragedFilm:
     """A pad 1 by ``aspect`` with a profile along x alone."""
     nodes = expansion_axis(15).all_nodes - 0.5
     s = np.repeat(np.sinc(STRIP * nodes)[:, None], 33, axis=1)
@@ -65,7 +65,7 @@ def of_the_middle(force_by_aspect: dict[float, np.ndarray]) -> np.ndarray:
     return (force_by_aspect[long] * long - force_by_aspect[short] * short) / (long - short)
 
 
-def piston(*, epsilon: float, sigma: float, slip: float = 0.0) -> AveragedFilm:
+def piston(*, epsilon: float, sigma: float, slip: float = 0.0) -> PeriodAveragedFilm:
     return slow_film(epsilon=epsilon, sigma=sigma, amplitude=np.ones((17, 17)), slip=slip)
 
 
@@ -105,7 +105,7 @@ def test_a_moving_pad_over_a_vibration_feels_what_the_full_equation_says(
     rates = rates[rates <= 0.1]
     dies_away = np.sqrt(1 - damping**2) + 1j * damping
     rates = rates * dies_away
-    full = PeriodicStrip(epsilon, sigma, profile, instants=25).stiffness(rates)
+    full = PeriodicStrip(epsilon, sigma, profile, instant_count=25).stiffness(rates)
     nodes = expansion_axis(15).all_nodes
     s = np.repeat(profile(nodes)[:, None], len(nodes), axis=1)
     films = {
@@ -119,7 +119,7 @@ def test_a_moving_pad_over_a_vibration_feels_what_the_full_equation_says(
 
 def disc(
     profile, *, epsilon: float, sigma: float, points: int = 15, radial: bool = True
-) -> AveragedFilm:
+) -> PeriodAveragedFilm:
     """A disc along its radius, or in the coordinates of an outline."""
 
     def amplitude(x, y):
@@ -128,7 +128,7 @@ def disc(
     grid = disc_grid(amplitude, points)
     if not radial:
         grid = outline_grid(ellipse_outline(1.0), amplitude, points)
-    return AveragedFilm(grid, epsilon, sigma)
+    return PeriodAveragedFilm(grid, epsilon, sigma)
 
 
 def disc_stiffness(squeeze: complex, *, flow: complex = 1.0, density: complex = 1.0) -> complex:
@@ -173,7 +173,7 @@ def test_a_disc_over_a_vibration_follows_the_full_equation(uneven, epsilon, sigm
     def across(x):
         return profile(np.abs(x - 0.5))
 
-    full = PeriodicStrip(epsilon, sigma, across, instants=25, disc=True)
+    full = PeriodicStrip(epsilon, sigma, across, instant_count=25, disc=True)
     slow = disc(profile, epsilon=epsilon, sigma=sigma)
     rates = np.array([0.0, 0.005, 0.02, 0.1, 0.2, 0.3])
     bound = stiffness_averaging_error(epsilon, rates, slow.layer_thickness)
@@ -184,12 +184,12 @@ def test_a_disc_over_a_vibration_follows_the_full_equation(uneven, epsilon, sigm
         assert np.all(off <= 1e-9 + bound)
     slow_enough = rates[rates <= 0.1]
     exact = full.gain(slow_enough) / full.mean_overpressure()
-    found = slow.response(slow_enough)
+    found = slow.force_gain(slow_enough)
     settled = abs(found[0] / exact[0] - 1)
     assert settled < 0.01
     bound = (
-        GAIN_LAYER_LAG_FACTOR * slow.layer_thickness * slow.grid.edge_motion_ratio
-        + GAIN_AVERAGING_FACTOR * slow_enough
+        GAIN_LAYER_LAG_ERROR_FACTOR * slow.layer_thickness * slow.grid.edge_mean_square_ratio
+        + GAIN_AVERAGING_ERROR_FACTOR * slow_enough
     )
     assert np.all(np.abs(found / exact - 1) <= 1e-4 + 2 * settled + bound * slow_enough)
 
@@ -201,7 +201,7 @@ def test_a_disc_is_the_same_along_its_radius_and_in_an_outlines_coordinates():
     )
     rates = np.array([0.0, 0.01, 0.05, np.inf])
     assert around.stiffness(rates) == pytest.approx(along.stiffness(rates), rel=2e-4)
-    assert around.response(rates) == pytest.approx(along.response(rates), rel=2e-4)
+    assert around.force_gain(rates) == pytest.approx(along.force_gain(rates), rel=2e-4)
 
 
 @pytest.mark.parametrize(
@@ -212,7 +212,7 @@ def test_gain_of_discs_and_ellipses_is_that_of_periodic_forces(pad, x):
     scene = film(epsilon=0.4, sigma=1500.0, x=x)
     scene = replace(scene, pad=replace(scene.pad, **pad))
     (by_forces,) = quasi_static_gains([scene], tolerance=1e-6, device=DEVICE)
-    by_slow = response(scene)
+    by_slow = force_response(scene)
     assert abs(by_slow.static_gain / by_forces[0] - 1) <= by_slow.error < 3e-3
     assert 0 < by_slow.corner_hz < 0.1 * scene.actuator.frequency_hz
 
@@ -222,7 +222,7 @@ def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(s
     film = piston(epsilon=0.4, sigma=2331.0, slip=slip)
     step = 1e-3
     forces = [
-        each.mean(each.density(each.steady_w(each.epsilon)), each.epsilon)
+        each.mean(each.density(each.steady_flow_potential(each.epsilon)), each.epsilon)
         for each in (film.with_thicker_gap(1 + step), film.with_thicker_gap(1 - step))
     ]
     slow, fast = film.stiffness(np.array([0.0, np.inf]))
@@ -231,7 +231,7 @@ def test_slow_motion_has_the_settled_films_slope_and_fast_motion_keeps_the_gas(s
     assert fast == pytest.approx(1.24**0.5 * 0.84**-1.5, rel=0.02)
 
 
-def oscillation(film: AveragedFilm, *, slow: float, scale: float) -> complex:
+def oscillation(film: PeriodAveragedFilm, *, slow: float, scale: float) -> complex:
     (root,) = [
         each for each in film.free_motion_exponents(slow=slow, scale=scale) if each.imag > 1e-9
     ]
@@ -269,7 +269,7 @@ def test_a_mass_over_a_vibration_oscillates_at_a_root_of_its_equation_of_motion(
         assert abs(terms.sum()) < 1e-8 * np.abs(terms).max()
 
 
-def from_rest(film: AveragedFilm, periods: np.ndarray) -> np.ndarray:
+def from_rest(film: PeriodAveragedFilm, periods: np.ndarray) -> np.ndarray:
     times = np.append(0.0, (2 * periods - 1) * pi)
     return film.pressure_after_amplitude_jump(np.ones(film.grid.inner.size), film.epsilon, times)[
         1:
@@ -287,7 +287,10 @@ def test_with_the_layer_the_strip_settles_where_the_full_equation_does():
     for layer in (True, False):
         films = {aspect: strip(aspect, layer=layer) for aspect in (4.0, 8.0)}
         settled[layer] = of_the_middle(
-            {a: np.array(f.mean(f.density(f.steady_w(0.4)), 0.4)) for a, f in films.items()}
+            {
+                a: np.array(f.mean(f.density(f.steady_flow_potential(0.4)), 0.4))
+                for a, f in films.items()
+            }
         )
     assert settled[True] == pytest.approx(0.107624, abs=1e-5)
     assert abs(settled[False] / 0.107624 - 1) > 5e-3
@@ -319,10 +322,10 @@ def test_the_change_by_slip_is_that_of_a_film_with_slip():
     """On the finest grid; at 1 µm a film settles in less than three quarters of the time."""
     scene = film(epsilon=0.44, sigma=58280.0, knudsen=0.067)
     without, slipping = (
-        response(replace(scene, gas=replace(scene.gas, rarefaction=each)))
+        force_response(replace(scene, gas=replace(scene.gas, rarefaction=each)))
         for each in ("none", "slip")
     )
-    (found,) = neglected_percent([scene], tolerance=1e-4, device=DEVICE)
+    (found,) = neglected_changes_percent([scene], tolerance=1e-4, device=DEVICE)
     for what, name in SLIP_CHANGE_COLUMNS.items():
         change = 100 * (getattr(slipping, name) / getattr(without, name) - 1)
         assert found[f"slip_{what}_percent"] == pytest.approx(change, rel=0.02)
@@ -340,10 +343,10 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
     found = {}
     for aspect in (4.0, 8.0):
         film = slow_film(epsilon=0.3, sigma=300.0, amplitude=s, aspect=aspect)
-        mean = film.mean(film.density(film.steady_w(film.epsilon)), film.epsilon)
-        found[aspect] = np.array([film.response(np.array([1 / 24]))[0] * mean, mean])
+        mean = film.mean(film.density(film.steady_flow_potential(film.epsilon)), film.epsilon)
+        found[aspect] = np.array([film.force_gain(np.array([1 / 24]))[0] * mean, mean])
     change, mean = of_the_middle(found)
-    assert abs(change / mean / marched - 1) < GAIN_AVERAGING_FACTOR / 24**2
+    assert abs(change / mean / marched - 1) < GAIN_AVERAGING_ERROR_FACTOR / 24**2
 
 
 @pytest.mark.parametrize(
@@ -357,7 +360,7 @@ def test_gain_of_two_phases_is_that_of_the_full_equation_marched():
 def test_a_film_whose_response_is_not_known_is_refused(numbers, reason):
     scene = film(epsilon=0.3, **numbers)
     for found in (
-        response,
+        force_response,
         start_and_stop_forces,
         lambda scene: modulation_gains(scene, np.array([300.0])),
     ):
@@ -374,7 +377,7 @@ def test_a_modulation_as_fast_as_the_vibration_is_refused():
 
 def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them():
     scene = film(epsilon=0.22, sigma=583.0, inertia="auto", thermal="auto")
-    (found,) = neglected_percent([scene], tolerance=1e-6, device=DEVICE)
+    (found,) = neglected_changes_percent([scene], tolerance=1e-6, device=DEVICE)
     gain = {}
     for term in ("none", "inertia", "thermal"):
         choices = {name: "included" if name == term else "none" for name in NEGLECTED_GAS_TERMS}
@@ -395,7 +398,7 @@ def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them
 def test_gain_of_slow_modulation_is_that_of_periodic_forces(epsilon):
     scene = film(epsilon=epsilon, sigma=2331.0)
     (by_forces,) = quasi_static_gains([scene], tolerance=1e-6, device=DEVICE)
-    by_slow = response(scene)
+    by_slow = force_response(scene)
     assert 0 < by_forces[1] < 3e-4
     assert abs(by_slow.static_gain / by_forces[0] - 1) <= by_slow.error
     # By differences twice as far apart.

@@ -17,7 +17,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic import launch
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.study import scenes_of_table
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def paper_scenes(paper):
         }
         for index in range(300)
     ]
-    return list(scenes_in(pd.DataFrame(points), paper))
+    return list(scenes_of_table(pd.DataFrame(points), paper))
 
 
 @pytest.fixture(scope="module")
@@ -216,7 +216,7 @@ def test_no_more_is_left_of_an_iteration_than_it_says(tolerance, films):
 def test_single_precision_in_a_step_moves_no_force(monkeypatch, films):
     grid = Grid(nx=12, ny=12, nt=16, fold_x=True, fold_y=True)
     single = solve_batch(films, grid, tolerance=1e-10, device=choose_device())
-    monkeypatch.setattr(launch, "in_single_precision", lambda terms: False)
+    monkeypatch.setattr(launch, "uses_single_precision", lambda terms: False)
     double = solve_batch(films, grid, tolerance=1e-10, device=choose_device())
     assert single.mean == pytest.approx(double.mean, rel=2e-10)
     assert (single.mean != double.mean).any()  # it was another kernel

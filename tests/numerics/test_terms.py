@@ -17,11 +17,11 @@ from squeezefilm.reynolds.packing import equation_numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
-    FLOW_TABLE,
-    SLIP_LIMIT,
-    flow_factor_derivatives,
-    flow_over_viscous,
+    FLOW_TABLE_PATH,
+    SLIP_FLOW_LIMIT,
+    flow_to_viscous_ratio,
     slip_flow,
+    slip_flow_derivatives,
 )
 from squeezefilm_workflow.verification.rarefied_flow import poiseuille_flow
 
@@ -36,15 +36,15 @@ def test_the_flow_factor_is_the_integral_equations(inverse):
 
 
 def test_the_table_is_the_integral_equations():
-    for inverse, stored in np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1)[::10]:
+    for inverse, stored in np.loadtxt(FLOW_TABLE_PATH, delimiter=",", skiprows=1)[::10]:
         assert stored == pytest.approx(poiseuille_flow(inverse), rel=4e-9)
 
 
 def test_beyond_the_table_gas_slips_or_its_molecules_fly_freely():
     """Slip of the BGK equation, 1.1466 Kn, and ln(1/D)/√π, which is approached slowly."""
     for inverse in (1e4, 1e6):
-        assert slip_flow(inverse) == pytest.approx(SLIP_LIMIT, rel=3 / inverse**0.5)
-    assert 2 * SLIP_LIMIT / np.pi**0.5 == pytest.approx(1.1466, rel=1e-4)
+        assert slip_flow(inverse) == pytest.approx(SLIP_FLOW_LIMIT, rel=3 / inverse**0.5)
+    assert 2 * SLIP_FLOW_LIMIT / np.pi**0.5 == pytest.approx(1.1466, rel=1e-4)
     direct, other = (poiseuille_flow(each, points=40, half_rule=40) for each in (1e-4, 1e-5))
     assert slip_flow(1e-5) - slip_flow(1e-4) == pytest.approx(other - direct, rel=2e-3)
     assert slip_flow(1e-5) == pytest.approx(other, rel=1e-3)
@@ -54,9 +54,9 @@ def test_beyond_the_table_gas_slips_or_its_molecules_fly_freely():
 def test_the_flow_factors_derivatives_are_difference_quotients():
     inverse, step = np.geomspace(1e-3, 3e3, 30), 1e-4
     low, high = (inverse * np.exp(s) for s in (-step, step))
-    first, second = flow_factor_derivatives(inverse)
+    first, second = slip_flow_derivatives(inverse)
     assert first == pytest.approx((slip_flow(high) - slip_flow(low)) / (2 * step), rel=1e-6)
-    rise = flow_factor_derivatives(high)[0] - flow_factor_derivatives(low)[0]
+    rise = slip_flow_derivatives(high)[0] - slip_flow_derivatives(low)[0]
     assert second == pytest.approx(rise / (2 * step), rel=1e-6)
 
 
@@ -103,7 +103,7 @@ def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
         path ** (1 / exponent),
         equation_numbers_table(Scenes.of([scene]), terms_of(scene)),
     )
-    (factor,) = flow_over_viscous(numbers, (gap[:, None] * density)[None])
+    (factor,) = flow_to_viscous_ratio(numbers, (gap[:, None] * density)[None])
     flow = gap**3 * (factor * density * weights).sum(axis=-1) * (pressure - 1) / 2
     assert np.abs(flow.mean(axis=-1)).max() < 1e-9
     assert np.abs(flow).max() > 0.1

@@ -17,26 +17,26 @@ from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm_workflow.verification import run_times
 from squeezefilm_workflow.verification.films import (
-    PISTON,
-    SAMPLE_OF_CASES,
-    beyond_region_reason,
-    cases,
-    film,
+    CASE_SAMPLE_SLICE,
+    PISTON_PROFILE,
+    cases_with_groups,
+    film_scene,
+    outside_region_reason,
 )
 from squeezefilm_workflow.verification.reference import reference_force
 from squeezefilm_workflow.verification.stability import (
-    deviations_of_state,
-    stability,
+    stability_table,
+    state_deviations,
     verdict_summary,
 )
 from squeezefilm_workflow.verification.work_precision import (
     BATCH_SOLVER_NAME,
-    FILMS,
     OTHER_METHODS,
     OTHER_METHODS_WITH_EFFECTS,
     SOLVER_NAME,
+    TIMED_FILMS,
     with_speedup,
-    work_precision,
+    work_precision_table,
 )
 
 Fields = dict[str, np.ndarray]
@@ -46,8 +46,8 @@ DISC = "disc, thermal effects, Re = 1, σ = 30, ε = 0.5"
 @pytest.mark.parametrize(
     ("scene", "force", "rel"),
     [
-        *((film("", 0.44, sigma), force, 1e-9) for sigma, force in SINC_CONVERGED.items()),
-        (film("", 1e-3, 20.0, profile=PISTON), 1.25e-6 * SPRING_AT_20, 1e-5),
+        *((film_scene("", 0.44, sigma), force, 1e-9) for sigma, force in SINC_CONVERGED.items()),
+        (film_scene("", 1e-3, 20.0, profile=PISTON_PROFILE), 1.25e-6 * SPRING_AT_20, 1e-5),
     ],
 )
 def test_the_reference_gives_known_forces_within_its_uncertainty(scene, force, rel):
@@ -59,19 +59,19 @@ def test_the_reference_gives_known_forces_within_its_uncertainty(scene, force, r
 @pytest.mark.parametrize("kind", ["travelling wave, σ = 20", "tilted, σ = 20", "bulging, σ = 20"])
 def test_the_reference_has_the_solver_s_forces_of_any_gap(kind):
     """Elements and the weak form beside collocation: nothing is shared but the equation."""
-    (scene,) = (scene for _, scene in cases() if scene.point_id == kind)
+    (scene,) = (scene for _, scene in cases_with_groups() if scene.point_id == kind)
     found = reference_force(scene, degree=14)
     (solution,) = solve([scene], tolerance=1e-8, method="periodic")
     assert solution.force_n / scene.force_scale_n == pytest.approx(found.force, rel=1e-8)
 
 
 def test_a_solved_film_passes_the_state_checks_and_a_spoilt_one_does_not():
-    scene = film("", 0.4, 20.0, profile=PISTON)
+    scene = film_scene("", 0.4, 20.0, profile=PISTON_PROFILE)
     (found,) = solve([scene], tolerance=1e-6, method="periodic", keep_states=True)
     state = found.states[-1]
-    good = deviations_of_state(scene, state)
+    good = state_deviations(scene, state)
     assert good["residual"] < 1e-6
-    spoilt = deviations_of_state(scene, replace(state, unknowns=state.unknowns * 1.01))
+    spoilt = state_deviations(scene, replace(state, unknowns=state.unknowns * 1.01))
     assert min(spoilt.values()) > 2e-3
 
 
@@ -88,8 +88,8 @@ CASES = {
 
 
 def red() -> set[str]:
-    chosen = [case for case in cases() if case[1].point_id in CASES.values()]
-    table = stability(chosen, device=choose_device())
+    chosen = [case for case in cases_with_groups() if case[1].point_id in CASES.values()]
+    table = stability_table(chosen, device=choose_device())
     failed = set(table.loc[table["verdict"] == "failed", "case"])
     return {name for name, case in CASES.items() if case in failed}
 
@@ -141,30 +141,35 @@ def turn_slope(fields: Fields) -> None:
 )
 def test_a_fault_in_a_term_turns_the_films_red_that_have_it(change, expected, monkeypatch):
     monkeypatch.setattr(packing, "profile_fields", spoil_fields(change))
-    monkeypatch.setattr(PadPositions, "cached", lambda self, find, *of: find(self, *of))  # not kept
+    monkeypatch.setattr(
+        PadPositions, "compute_cached", lambda self, find, *of: find(self, *of)
+    )  # not kept
     assert red() == expected
 
 
 def test_what_is_refused_must_be_documented():
-    assert beyond_region_reason(film("", 0.4, 583.0)) == ""
-    assert "contact" in beyond_region_reason(film("", 1.0, 583.0))
-    assert "bearing" in beyond_region_reason(film("", 0.4, 583.0, bearing=1e4))
+    assert outside_region_reason(film_scene("", 0.4, 583.0)) == ""
+    assert "contact" in outside_region_reason(film_scene("", 1.0, 583.0))
+    assert "bearing" in outside_region_reason(film_scene("", 0.4, 583.0, bearing=1e4))
     touching = ("contact", "tilted until it touches")
-    chosen = [case for case in cases() if case[1].point_id in touching]
-    table = stability(chosen, device=choose_device())
+    chosen = [case for case in cases_with_groups() if case[1].point_id in touching]
+    table = stability_table(chosen, device=choose_device())
     assert set(table["verdict"]) == {"not supported"}
     assert table["reason"].str.startswith("contact: ").all()
 
 
 def test_a_sample_of_the_cases_has_some_of_every_group():
-    assert {group for group, _ in cases()} == {group for group, _ in cases()[SAMPLE_OF_CASES]}
+    assert {group for group, _ in cases_with_groups()} == {
+        group for group, _ in cases_with_groups()[CASE_SAMPLE_SLICE]
+    }
 
 
 @pytest.mark.parametrize(
-    ("scene", "others"), [(FILMS[1], OTHER_METHODS), (FILMS[4], OTHER_METHODS_WITH_EFFECTS)]
+    ("scene", "others"),
+    [(TIMED_FILMS[1], OTHER_METHODS), (TIMED_FILMS[4], OTHER_METHODS_WITH_EFFECTS)],
 )
 def test_every_method_comes_near_the_reference(scene, others):
-    table = work_precision(
+    table = work_precision_table(
         (scene,), repeats=1, batch=2, longest_seconds=0.1, rungs=2, device=choose_device()
     )
     assert set(table["method"]) == {SOLVER_NAME, BATCH_SOLVER_NAME, *others}
@@ -200,22 +205,22 @@ def test_at_equal_error_the_cheapest_run_that_is_no_worse_counts():
 @pytest.mark.parametrize(("term", "number"), [(Thermal, "heating"), (Inertia, "lag")])
 def test_a_wrong_number_of_the_gas_turns_films_red(term, number, monkeypatch):
     """The solver alone, at a tenth of the tolerance, has the same fault."""
-    chosen = [case for case in cases() if case[1].point_id == DISC]
-    sound = term.numbers
+    chosen = [case for case in cases_with_groups() if case[1].point_id == DISC]
+    sound = term.equation_numbers
 
     def wrong(self: Term, scene: Any) -> Any:
         numbers = sound(self, scene)
         return numbers | {number: 1.05 * numbers[number]}
 
-    monkeypatch.setattr(term, "numbers", wrong)
-    (row,) = stability(chosen, device=choose_device()).itertuples()
+    monkeypatch.setattr(term, "equation_numbers", wrong)
+    (row,) = stability_table(chosen, device=choose_device()).itertuples()
     assert row.verdict == "failed"
     assert row.reason.startswith("independent_difference")
 
 
 def test_a_film_that_steepens_keeps_its_row_and_its_reason():
-    steep = film("disc", 0.9, 30.0, reynolds=20.0, thermal=True, shape="ellipse")
-    (row,) = stability([("", steep)], device=choose_device()).itertuples()
+    steep = film_scene("disc", 0.9, 30.0, reynolds=20.0, thermal=True, shape="ellipse")
+    (row,) = stability_table([("", steep)], device=choose_device()).itertuples()
     assert row.verdict == "not supported"
     assert row.reason.startswith("waves that steepen")
     assert "not converged" in row.reason
@@ -223,7 +228,7 @@ def test_a_film_that_steepens_keeps_its_row_and_its_reason():
 
 def test_run_times_of_terms_have_every_scene_solved(monkeypatch):
     monkeypatch.setattr(run_times, "TERM_SCENE_COUNT", 2)
-    monkeypatch.setattr(run_times, "TERM_SIDES_M", {"disc": 0.04})
+    monkeypatch.setattr(run_times, "TERM_PAD_LENGTHS_M", {"disc": 0.04})
     table = run_times.times_by_term()
     assert len(table) == 3
     assert set(table["solved"]) == {2}

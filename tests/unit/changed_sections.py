@@ -4,9 +4,9 @@ from typing import Any, TypeVar, get_args
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import with_changed_keys
-from squeezefilm.film.profiles import PROFILE_KINDS, Profile
+from squeezefilm.film.profiles import Profile, ProfileOfStudy
 from squeezefilm.film.surfaces import Surface
-from squeezefilm.sections import key_of
+from squeezefilm.sections import key_of_name
 
 Sections = TypeVar("Sections", bound=FilmSections)
 
@@ -16,7 +16,7 @@ def changed(config: Sections, **sections: dict[str, Any]) -> Sections:
     return with_changed_keys(
         config,
         {
-            f"{section}.{key_of(name)}": in_file(value)
+            f"{section}.{key_of_name(name)}": in_file(value)
             for section, keys in sections.items()
             for name, value in keys.items()
         },
@@ -27,10 +27,10 @@ def in_file(value: Any) -> Any:
     """A value with the keys that a file has."""
     if not isinstance(value, dict):
         return value
-    return {key_of(name): in_file(inner) for name, inner in value.items()}
+    return {key_of_name(name): in_file(inner) for name, inner in value.items()}
 
 
 def made_profile(surface: Surface, *, kind: str, **settings: Any) -> Profile:
     """A profile on a surface from the values of a study's keys."""
-    (made,) = (each for each in get_args(PROFILE_KINDS) if each.kind == kind)
+    (made,) = (each for each in get_args(ProfileOfStudy) if each.kind == kind)
     return made(**settings).on(surface)

@@ -31,7 +31,7 @@ def scan_text(*, noise: float, missing: float, seed: int, surface: str = "disc")
         for steps in (int(1e3 * half_m / step_mm) for half_m in where.half_extents_m)
     )
     x, y = (values.ravel() for values in np.meshgrid(*lines))
-    on_it = where.reach(x / 1e3, y / 1e3) <= 1
+    on_it = where.relative_distance(x / 1e3, y / 1e3) <= 1
     x, y = x[on_it], y[on_it]
     amplitude = profile.amplitude(x_m=x / 1e3, y_m=y / 1e3)
     measured = PEAK_UM * (amplitude + noise * random.standard_normal(len(x)))

@@ -19,7 +19,7 @@ TABLE = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6]})
 
 
 def draw(path: Path) -> None:
-    style.save(plt.figure(figsize=(1, 1)), [path])
+    style.save_figure(plt.figure(figsize=(1, 1)), [path])
     plt.close("all")
 
 

@@ -10,43 +10,43 @@ import pytest
 from squeezefilm.cli import main as cli
 from squeezefilm_workflow.reporting import check
 from squeezefilm_workflow.reporting.check import (
-    EQUAL_TEXT,
     MAX_SAMPLED_ROWS,
     PASSED,
     PICTURES_FOLDER,
-    Closeness,
-    Quantity,
+    ZERO_TOLERANCE,
+    CellTolerance,
+    CheckedQuantity,
     column_quantities,
-    compare,
+    compare_quantities,
     read_reference,
     write_reference,
 )
-from squeezefilm_workflow.reporting.figures.style import PLAIN_SUFFIX
+from squeezefilm_workflow.reporting.figures.style import PLAIN_PICTURE_SUFFIX
 
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}
 )
-CLOSE = {"model": Closeness(relative=1e-6)}
+CLOSE = {"model": CellTolerance(relative=1e-6)}
 
 
-def quantities(table: pd.DataFrame) -> list[Quantity]:
+def quantities(table: pd.DataFrame) -> list[CheckedQuantity]:
     return list(column_quantities(table, CLOSE, "data", "forces"))
 
 
-def stored(found: list[Quantity]) -> dict[tuple[str, str, str], dict[str, str]]:
-    return {each[:3]: dict(each.cells) for each in found}
+def stored(found: list[CheckedQuantity]) -> dict[tuple[str, str, str], dict[str, str]]:
+    return {each[:3]: dict(each.cell_texts) for each in found}
 
 
 def failed(table: pd.DataFrame) -> list[str]:
     """The names of the quantities that fail beside FORCES."""
-    rows = compare(quantities(table), stored(quantities(FORCES)))
+    rows = compare_quantities(quantities(table), stored(quantities(FORCES)))
     return rows.loc[rows["verdict"] != PASSED, "quantity"].tolist()
 
 
 def test_what_failed_is_shown_once_with_its_file_and_what_to_do():
     found = [item._replace(part="simulations", item="screen") for item in quantities(FORCES)]
-    table = compare(found, stored(found) | {found[2][:3]: {"row 1": "7"}})
-    text = check.screen_text(table, Path("results/mine"))
+    table = compare_quantities(found, stored(found) | {found[2][:3]: {"row 1": "7"}})
+    text = check.terminal_text(table, Path("results/mine"))
     assert len(re.findall(r"\bforce_n\b", text)) == 1
     assert "results/mine/simulations/screen/forces.csv" in text
     assert "`make reference`" in text
@@ -58,7 +58,7 @@ def test_of_what_failed_causes_stand_first():
         for part, item_name in (("claims", "error"), ("fits", "screen"), ("simulations", "screen"))
         for item in quantities(FORCES)[2:3]
     ]
-    text = check.screen_text(compare(found, {}), Path("results/mine"))
+    text = check.terminal_text(compare_quantities(found, {}), Path("results/mine"))
     files = re.findall(r"results/mine/(\w+)", text)
     assert files == ["simulations", "fits", "claims"]
 
@@ -80,30 +80,33 @@ def with_cell(row: int) -> pd.Series:
 def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
     """Any cell, though few rows are kept."""
     assert failed(FORCES.assign(force_n=force_n)) == seen
-    assert len(quantities(FORCES)[1].cells) == MAX_SAMPLED_ROWS
+    assert len(quantities(FORCES)[1].cell_texts) == MAX_SAMPLED_ROWS
 
 
 @pytest.mark.parametrize(
     ("tolerance", "expected", "got", "share"),
     [
-        (Closeness(relative=0.1), "2", "2.1", 0.5),
-        (Closeness(of_largest=0.1), "2", "2.4", 2),
-        (Closeness(absolute=1), "-3", "-4", 1),
-        (Closeness(), "2", "2", 0),
-        (Closeness(relative=1), "2", "many", np.inf),
-        (Closeness(relative=1e-9), "nan", "nan", 0),
-        (EQUAL_TEXT, "a", "a", 0),
-        (EQUAL_TEXT, "(µm)", "(mm)", np.inf),
-        (Closeness(digits=1), "0.987 N", "0.988 N", 1),
-        (Closeness(digits=1), "−2.1e−4", "−2.3e−4", 2),
+        (CellTolerance(relative=0.1), "2", "2.1", 0.5),
+        (CellTolerance(fraction_of_largest=0.1), "2", "2.4", 2),
+        (CellTolerance(absolute=1), "-3", "-4", 1),
+        (CellTolerance(), "2", "2", 0),
+        (CellTolerance(relative=1), "2", "many", np.inf),
+        (CellTolerance(relative=1e-9), "nan", "nan", 0),
+        (ZERO_TOLERANCE, "a", "a", 0),
+        (ZERO_TOLERANCE, "(µm)", "(mm)", np.inf),
+        (CellTolerance(last_digit_units=1), "0.987 N", "0.988 N", 1),
+        (CellTolerance(last_digit_units=1), "−2.1e−4", "−2.3e−4", 2),
     ],
 )
 def test_a_tolerance_is_what_it_says(tolerance, expected, got, share):
-    assert tolerance.distances({"a": expected}, {"a": got})["a"] == pytest.approx(share)
+    assert tolerance.deviation_ratios({"a": expected}, {"a": got})["a"] == pytest.approx(share)
 
 
 def test_a_reference_is_read_as_it_was_written(tmp_path):
-    found = [*quantities(FORCES), Quantity("axis labels", "fig, 08", 'a "b"', {"x, y": "h, (µm)"})]
+    found = [
+        *quantities(FORCES),
+        CheckedQuantity("axis labels", "fig, 08", 'a "b"', {"x, y": "h, (µm)"}),
+    ]
     write_reference(found, tmp_path, tmp_path)
     assert read_reference(tmp_path) == stored(found)
     write_reference(found[:-1], tmp_path, tmp_path)
@@ -111,7 +114,7 @@ def test_a_reference_is_read_as_it_was_written(tmp_path):
 
 
 def test_pictures_go_with_a_reference_into_a_new_folder(tmp_path):
-    picture = tmp_path / PICTURES_FOLDER / f"fig08{PLAIN_SUFFIX}"
+    picture = tmp_path / PICTURES_FOLDER / f"fig08{PLAIN_PICTURE_SUFFIX}"
     picture.parent.mkdir(parents=True)
     picture.write_bytes(b"drawn")
     write_reference(quantities(FORCES), tmp_path, tmp_path / "of/mine")

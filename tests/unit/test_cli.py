@@ -8,11 +8,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm.cli.main import main, modules_of_commands
+from squeezefilm.cli.main import main, module_of_command
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.tables import FORCE_COLUMNS, merge_forces, read_forces, write_table
 
-COMMANDS = modules_of_commands()
+COMMANDS = module_of_command()
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -8,7 +8,7 @@ import pytest
 from squeezefilm.config.loading import load_config, study_notes
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
-from squeezefilm.studies.plans import scenes_of
+from squeezefilm.studies.plans import plan_scenes_table
 from squeezefilm.studies.study import check_study
 
 
@@ -54,7 +54,7 @@ def test_every_plan_lies_in_the_screens_ranges_however_they_are_moved(repository
     shutil.copy(repository / "config" / "vibrometer.csv", tmp_path)
     config = load_config(tmp_path / "study.yaml")
     for kind in ("screen", "error_map", "four_factor_control", "validation_four_factor"):
-        table = scenes_of(kind, config)
+        table = plan_scenes_table(kind, config)
         for factor, (low, high) in {"h0_m": (15e-6, 30e-6), "hv_m": (0.5e-6, 6e-6)}.items():
             values = table[factor]
             assert values.min() >= low * (1 - 1e-9), (kind, factor)

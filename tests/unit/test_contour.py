@@ -27,7 +27,7 @@ def test_points_make_one_curve_in_any_unit_direction_and_place(z_mm, header, uni
     assert np.abs(contour.points.real).max() == pytest.approx(0.5, abs=2e-5)
     assert np.abs(contour.points.imag).max() == pytest.approx(0.4, abs=2e-5)
     places = np.array([0.45 + 0.1j, 0.52, 0.39j, 0.3 - 0.38j])
-    assert contour.within(places).tolist() == [True, False, True, False]
+    assert contour.contains_positions(places).tolist() == [True, False, True, False]
 
 
 SPIKE = OVAL * np.where(np.arange(60) == 7, 1.2, 1.0)

@@ -22,10 +22,10 @@ from squeezefilm.config.loading import (
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.gas import Gas
-from squeezefilm.studies.plans import plan_sizes
+from squeezefilm.studies.plans import plan_point_counts
 from squeezefilm.studies.space import pad_positions
 from squeezefilm.studies.study import check_study
-from squeezefilm.units import in_unit
+from squeezefilm.units import number_in_unit
 
 SHORT = """
 study: mine
@@ -58,7 +58,7 @@ def test_a_short_study_is_whole(repository):
     short = study()
     check_study(short)
     paper = load_config(repository / "config" / "paper.yaml")
-    assert short.sections().keys() == paper.sections().keys()
+    assert short.sections_as_dict().keys() == paper.sections_as_dict().keys()
     assert short.gas.inertia == "auto"
     assert short.gas.viscosity_pa_s == 1.81e-5
     assert short.screen.h0_m.model_dump() == {"start": 20e-6, "stop": 35e-6, "levels": 8}
@@ -87,7 +87,7 @@ def test_positions_use_the_room_that_the_pad_has(shape):
     assert config.positions.points == 25
     assert written.positions.points is None
     counted = study(positions={"points": 7})
-    assert (len(pad_positions(counted)), plan_sizes(counted)["four_factor"]) == (7, 35)
+    assert (len(pad_positions(counted)), plan_point_counts(counted)["four_factor"]) == (7, 35)
 
 
 def test_what_is_written_goes_before_what_follows():
@@ -113,7 +113,7 @@ def test_what_is_written_goes_before_what_follows():
     ],
 )
 def test_a_number_may_have_its_unit(text, unit, value):
-    assert in_unit(text, unit) == value
+    assert number_in_unit(text, unit) == value
 
 
 def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
@@ -136,7 +136,7 @@ def test_the_effective_study_is_a_study(repository, tmp_path, capsys):
         moved = {}
         if name == "vibrometer":
             moved = {"actuator.profile.file": config.actuator.profile.file}
-        assert with_changed_keys(written, moved).sections() == config.sections()
+        assert with_changed_keys(written, moved).sections_as_dict() == config.sections_as_dict()
         assert "default" not in effective_yaml(written)
 
 
@@ -180,7 +180,7 @@ def test_a_film_alone_is_shown_and_read_and_is_no_study(tmp_path, capsys):
 def test_the_origin_of_a_scan_is_a_place_in_its_file(tmp_path):
     measured = "{kind: measured, file: scan.csv, origin: [100 mm, 0]}"
     written = parse_config(SHORT.replace("{kind: piston}", measured), path=tmp_path / "mine.yaml")
-    assert written.smoothing["origin_m"] == (0.1, 0.0)
+    assert written.smoothing_arguments["origin_m"] == (0.1, 0.0)
 
 
 def test_constants_of_a_formula_have_units_and_stay_in_the_whole_study(tmp_path):

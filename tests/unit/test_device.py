@@ -16,15 +16,15 @@ from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds import device, self_test, solve
-from squeezefilm.reynolds.device import DEVICE_VARIABLE, choose_device
+from squeezefilm.reynolds.device import DEVICE_ENV_VARIABLE, choose_device
 from squeezefilm.studies.study import check_study
 
 
 @pytest.mark.parametrize("said", [None, ""])  # an empty variable is none
 def test_a_device_that_is_not_there_is_refused_with_those_that_are(said, monkeypatch):
-    monkeypatch.delenv(DEVICE_VARIABLE, raising=False)
+    monkeypatch.delenv(DEVICE_ENV_VARIABLE, raising=False)
     if said is not None:
-        monkeypatch.setenv(DEVICE_VARIABLE, said)
+        monkeypatch.setenv(DEVICE_ENV_VARIABLE, said)
     with pytest.raises(InputError, match=r"no OpenCL device with double precision.*found: .*: "):
         choose_device("no such device")
 
@@ -32,7 +32,7 @@ def test_a_device_that_is_not_there_is_refused_with_those_that_are(said, monkeyp
 def test_an_option_goes_before_the_environment_and_that_before_the_configuration(
     monkeypatch, capsys, refused
 ):
-    monkeypatch.setenv(DEVICE_VARIABLE, "no such device")
+    monkeypatch.setenv(DEVICE_ENV_VARIABLE, "no such device")
     one = ["simulate", "--h0", "5um", "--hv", "1um", "--tolerance", "1e-4"]
     assert main([*one, "--device", "auto"]) == 0
     assert main(["doctor", "--device", "portable computing"]) == 0
@@ -42,7 +42,7 @@ def test_an_option_goes_before_the_environment_and_that_before_the_configuration
 
 
 def test_pocl_is_not_asked_for_a_kernel_that_it_compiles_for_minutes():
-    scene, _ = self_test.test_films()["inertia"]
+    scene, _ = self_test.test_cases()["inertia"]
     with pytest.raises(InputError, match="inertia for work-groups of 4 items for many"):
         solve([scene], tolerance=1e-2, method="periodic", device=choose_device(work_items=4))
 
@@ -69,13 +69,13 @@ def test_a_device_whose_kernel_has_a_wrong_sign_is_refused(monkeypatch, refused)
         return text
 
     films = {
-        name: film for name, film in self_test.test_films().items() if name in ("inertia", "slip")
+        name: film for name, film in self_test.test_cases().items() if name in ("inertia", "slip")
     }
-    stored = pd.read_csv(self_test.STORED_FORCES, index_col="film").loc[[*films]].to_csv()
-    monkeypatch.setattr(self_test, "test_films", lambda: films)
-    monkeypatch.setattr(self_test, "STORED_FORCES", io.StringIO(stored))
+    stored = pd.read_csv(self_test.STORED_FORCES_PATH, index_col="film").loc[[*films]].to_csv()
+    monkeypatch.setattr(self_test, "test_cases", lambda: films)
+    monkeypatch.setattr(self_test, "STORED_FORCES_PATH", io.StringIO(stored))
     monkeypatch.setattr(Path, "read_text", compiled_wrongly)
-    caches = (device.kernel, device._built_program, self_test._failed_films)
+    caches = (device.compiled_kernel, device._cached_program, self_test._failed_cases_text)
     try:
         [each.cache_clear() for each in caches]
         message = refused("doctor")
@@ -117,9 +117,9 @@ def test_vectors_are_those_of_the_processor_and_no_warning_is_printed(
     square = tmp_path / "square.cl"
     square.write_text("kernel void square(vector a) { multiply(a, 4, 4, a, a, 4, 1, 0); }\n")
     sources = ("linear_algebra.cl", "vectors.cl", str(square))
-    device.kernel(chosen, "square", sources=sources, header=f"// {tmp_path}: in no cache")
+    device.compiled_kernel(chosen, "square", sources=sources, header=f"// {tmp_path}: in no cache")
     assert chosen.vector_width(8) == numbers
-    assert device.describe(chosen)["vector_bytes"] == 8 * numbers
+    assert device.device_properties(chosen)["vector_bytes"] == 8 * numbers
     assert "warnings generated" not in capfd.readouterr().err
 
 
@@ -130,8 +130,8 @@ def test_a_driver_that_keeps_no_types_of_arguments_solves(monkeypatch):
         raise AssertionError("clGetKernelArgInfo failed: KERNEL_ARG_INFO_NOT_AVAILABLE")
 
     monkeypatch.setattr("pyopencl.Kernel.get_arg_info", get_arg_info)
-    device.kernel.cache_clear()
-    scene, _ = self_test.test_films()["squeeze"]
+    device.compiled_kernel.cache_clear()
+    scene, _ = self_test.test_cases()["squeeze"]
     assert solve([scene], tolerance=1e-3, method="periodic")[0].status == "ok"
 
 
@@ -141,7 +141,7 @@ def test_a_missing_linker_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
         pytest.skip("of PoCL alone")
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(InputError, match="apt install gcc"):
-        device.kernel(chosen, "none", sources=(), header="// not built")
+        device.compiled_kernel(chosen, "none", sources=(), header="// not built")
 
 
 def test_a_linker_without_the_c_library_is_told_before_pocl_dies_of_it(monkeypatch, tmp_path):
@@ -154,7 +154,7 @@ def test_a_linker_without_the_c_library_is_told_before_pocl_dies_of_it(monkeypat
     linker.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
     with pytest.raises(InputError, match=r"cannot find -lc.*apt install gcc libc6-dev"):
-        device.kernel(chosen, "none", sources=(), header="// not built")
+        device.compiled_kernel(chosen, "none", sources=(), header="// not built")
 
 
 def test_a_cache_that_cannot_be_written_is_named_with_the_remedy(tmp_path):
@@ -180,7 +180,7 @@ FORKED = """
 import os
 from squeezefilm.errors import InputError
 from squeezefilm.reynolds import self_test, solve
-scene, _ = self_test.test_films()["squeeze"]
+scene, _ = self_test.test_cases()["squeeze"]
 solve([scene], tolerance=1e-3, method="periodic")
 child = os.fork()
 try:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.formulas import FUNCTIONS, Expression, parse_formula
+from squeezefilm.formulas import FORMULA_FUNCTIONS, Expression, parse_formula
 
 NAMES = ("a", "b", "x", "h0")
 
@@ -63,7 +63,7 @@ FORMULAS = [
     "a**0.5 * x**-2 + 2**a",
     "b*sinc(a*x)*x + b*abs(a*x - b*x) + (a*0)**b",
     "sqrt(a*x**2 + b*x) + (a*x)**0.3 + x**(a + b) + abs(a*x)**b",
-    *(f"{name}(0.3*a*b + 0.1*x) * b" for name in FUNCTIONS),
+    *(f"{name}(0.3*a*b + 0.1*x) * b" for name in FORMULA_FUNCTIONS),
 ]
 
 
@@ -97,7 +97,7 @@ def random_formula(rng: np.random.Generator, depth: int) -> str:
     kind = rng.integers(4)
     inner = random_formula(rng, depth - 1)
     if kind == 0:
-        return f"{rng.choice(list(FUNCTIONS))}({inner})"
+        return f"{rng.choice(list(FORMULA_FUNCTIONS))}({inner})"
     if kind == 1:
         return f"(-{inner})"
     operator = rng.choice(["+", "-", "*", "/", "**"])

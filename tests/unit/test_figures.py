@@ -168,7 +168,9 @@ def test_the_star_of_a_refinement_has_its_meaning_in_the_legend():
     required = {"worst_error": 0.05, "global_error": 0.02}
     with style.figure_style():
         _, axes = style.subplots()
-        models._draw_rounds(axes, pd.DataFrame(rounds), required=required, truth=pd.Series(truth))
+        models._draw_refinement_rounds(
+            axes, pd.DataFrame(rounds), required=required, truth=pd.Series(truth)
+        )
     handles, names = axes.get_legend_handles_labels()
     markers = {name: handle.get_marker() for handle, name in zip(handles, names, strict=True)}
     assert markers["at unused simulations"] == "*"

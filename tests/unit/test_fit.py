@@ -7,11 +7,11 @@ from scipy.optimize import least_squares
 
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import (
-    best_run_of_bounds,
+    best_fit_of_bounds,
     fit_model,
     open_range_notes,
     parameter_ranges,
-    search_by_evolution,
+    run_differential_evolution,
 )
 from squeezefilm.models.force_model import make_model
 
@@ -54,7 +54,7 @@ def test_the_simplex_arrives_where_a_method_with_derivatives_does(case, bound, r
 
 def test_differential_evolution_finds_the_same(screen):
     genetic = fit_model(known.TWO_FACTOR, *screen)
-    other = fit_model(known.TWO_FACTOR, *screen, bound=100, search=search_by_evolution)
+    other = fit_model(known.TWO_FACTOR, *screen, bound=100, search=run_differential_evolution)
     assert other.sum_of_squares == pytest.approx(genetic.sum_of_squares, rel=1e-9)
     assert other.method != genetic.method
 
@@ -96,7 +96,7 @@ def test_parameters_beyond_the_bounds_are_found_or_said_to_be_there():
     model = own("t0*exp(-(t1*hv/h0 - t2)**2)")
     force = scattered(model, (600.0, 12.0, 2.4), 1e-3)
     runs = [fit_model(model, AT, force, bound=0.5)]
-    fit, notes = best_run_of_bounds(runs, model, AT, force)
+    fit, notes = best_fit_of_bounds(runs, model, AT, force)
     assert np.abs(fit.theta) == pytest.approx([600.0, 12.0, 2.4], rel=1e-2)
     assert "fit.bounds" in notes[0]
-    assert not best_run_of_bounds([fit_model(model, AT, force)], model, AT, force)[1]
+    assert not best_fit_of_bounds([fit_model(model, AT, force)], model, AT, force)[1]

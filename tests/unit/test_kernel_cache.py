@@ -9,7 +9,7 @@ import pytest
 
 from squeezefilm.reynolds import self_test
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.reynolds.kernel_cache import kernel_cache
+from squeezefilm.reynolds.kernel_cache import kernel_cache_folder
 
 if "Portable Computing Language" not in choose_device().name:
     pytest.skip("of PoCL's cache", allow_module_level=True)
@@ -17,12 +17,12 @@ if "Portable Computing Language" not in choose_device().name:
 SQUARE = """
 import numpy as np
 from squeezefilm.lazy import cl
-from squeezefilm.reynolds.device import choose_device, kernel, run_kernel
+from squeezefilm.reynolds.device import choose_device, compiled_kernel, run_kernel
 device = choose_device()
 source = "kernel void square(global double *a) { a[0] *= a[0]; }"
-square = kernel(device, "square", sources=(), header=source)
+square = compiled_kernel(device, "square", sources=(), header=source)
 values = np.array([3.0])
-buffer = device.copied_to_buffer(values)
+buffer = device.copy_to_buffer(values)
 run_kernel(device, square, buffer, groups=1)
 cl.enqueue_copy(device.queue, values, buffer)
 print(values[0])
@@ -95,7 +95,10 @@ def test_a_program_that_is_known_is_not_looked_for_among_all_others(filled, tmp_
 def test_doctor_outlives_a_kernel_that_ends_its_process(monkeypatch, refused):
     monkeypatch.setattr(self_test, "FORCE_SCRIPT", "import os; os.abort()")
     told = refused("doctor", status=1)
-    assert f"ended by SIGABRT. A compiled kernel may be damaged: remove {kernel_cache()}" in told
+    assert (
+        f"ended by SIGABRT. A compiled kernel may be damaged: remove {kernel_cache_folder()}"
+        in told
+    )
 
 
 def test_doctor_asks_for_a_force_as_a_user_does(monkeypatch, refused):

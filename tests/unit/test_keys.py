@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from squeezefilm.config.keys import key_table, schema
+from squeezefilm.config.keys import key_table, study_schema
 from squeezefilm.film.pad import GapShape
 
 
 def test_every_key_has_a_row():
     for key in ("| **`actuator`** |", "| `profile.wave_number` | 1/m |", "| `gap.tilt_x` | m |"):
-        assert key in key_table(schema())
+        assert key in key_table(study_schema())
 
 
 def test_a_circle_has_a_diameter_instead_of_lengths():
-    pad, circle = Draft202012Validator(schema()["properties"]["pad"]), {"shape": "circle"}
+    pad, circle = Draft202012Validator(study_schema()["properties"]["pad"]), {"shape": "circle"}
     assert [pad.is_valid(circle | more) for more in ({"diameter": "30 mm"}, {})] == [True, False]
 
 
 def test_a_crowned_gap_is_as_its_key_says():
     """On pads that are not square too, where it is no function of the distance."""
-    (about,) = re.findall(r"`gap\.crown`.* grows by crown (\(.*?\));", key_table(schema()))
+    (about,) = re.findall(r"`gap\.crown`.* grows by crown (\(.*?\));", key_table(study_schema()))
     formula = about.replace("²", "**2").replace("2x", "2*x").replace("2y", "2*y")
     sides = {"length_x": 8e-3, "length_y": 2e-3}
     for x, y in ((4e-3, 0.0), (0.0, 1e-3), (1e-3, -1e-3)):

@@ -6,9 +6,14 @@ from reference_forces import TWO_FACTOR, reference_forces
 
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit, parameter_ranges
+from squeezefilm.models.fitting import (
+    check_identifiable,
+    fit_model,
+    local_fit_theta,
+    parameter_ranges,
+)
 from squeezefilm.models.force_model import get_model, make_model
-from squeezefilm.models.prediction_interval import fold_of_points, held_out_predictions
+from squeezefilm.models.prediction_interval import fold_indices_of_points, held_out_predictions
 from squeezefilm.models.search import nelder_mead
 
 
@@ -59,11 +64,11 @@ def test_centred_points_count_in_every_fit_near_a_known_one(shape):
     scatter = 0.02 * np.random.default_rng(1).standard_normal(len(CENTRED))
     force = model.evaluate(truth, CENTRED) * (1 + scatter)
     best = nelder_mead(lambda t: sums(model, force, t * truth), np.ones((1, 2)))[0].x * truth
-    theta = local_fit(model, CENTRED, force, truth)
+    theta = local_fit_theta(model, CENTRED, force, truth)
     np.testing.assert_allclose(theta, best, rtol=1e-6)
     for each in parameter_ranges(model, CENTRED, force, theta):
         assert each.lower < each.estimate < each.upper
-    folds = fold_of_points(CENTRED, folds=5, seed=1)
+    folds = fold_indices_of_points(CENTRED, folds=5, seed=1)
     predicted = held_out_predictions(model, CENTRED, force, theta=theta, folds=folds)
     assert np.linalg.norm(predicted - force) < 0.04 * np.linalg.norm(force)
 
@@ -77,7 +82,7 @@ def test_a_point_left_out_does_not_know_its_own_force():
     model = get_model("polynomial_3")
     changed = force.copy()
     changed[7] += 1.0
-    fold = fold_of_points(factors, folds=5, seed=1)
+    fold = fold_indices_of_points(factors, folds=5, seed=1)
     kept, moved = (
         held_out_predictions(model, factors, y, theta=np.zeros(3), folds=fold)
         for y in (force, changed)

@@ -37,7 +37,7 @@ def test_a_new_study_may_be_of_a_plate_with_a_standing_wave(tmp_path):
     config = check_study(load_config(path))
     assert config.actuator.surface.half_extents_m == (0.03, 0.02)
     assert config.actuator.profile.wavelength_m == 0.012
-    assert config.symmetry().position == ("x_m", "y_m")
+    assert config.symmetry().position_columns == ("x_m", "y_m")
     assert [*study_notes(config)] == []
     assert "wave" in config.comparison.four_factor
 

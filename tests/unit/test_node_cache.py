@@ -12,14 +12,14 @@ from squeezefilm.reynolds import kernel_cache
 
 @pytest.fixture(autouse=True)
 def caches(monkeypatch):
-    for name in ("POCL_CACHE_DIR", "XDG_CACHE_HOME", kernel_cache.NODE_CACHE_VARIABLE):
+    for name in ("POCL_CACHE_DIR", "XDG_CACHE_HOME", kernel_cache.NODE_CACHE_ENV_VARIABLE):
         monkeypatch.setenv(name, "elsewhere")  # so that it is put back afterwards
         monkeypatch.delenv(name)
 
 
 def test_both_caches_go_to_the_named_folder(tmp_path, monkeypatch):
-    monkeypatch.setenv(kernel_cache.NODE_CACHE_VARIABLE, str(tmp_path / "scratch"))
-    with kernel_cache.one_build_at_a_time():
+    monkeypatch.setenv(kernel_cache.NODE_CACHE_ENV_VARIABLE, str(tmp_path / "scratch"))
+    with kernel_cache.build_lock():
         for name in ("POCL_CACHE_DIR", "XDG_CACHE_HOME"):
             assert Path(os.environ[name]).is_relative_to(tmp_path / "scratch")
     (own,) = (tmp_path / "scratch").iterdir()
@@ -32,13 +32,13 @@ def test_a_folder_that_is_not_one_s_own_is_not_used(folder, tmp_path, monkeypatc
         own = tmp_path / "scratch" / f"squeezefilm-{os.getuid()}"
         own.mkdir(parents=True)
         own.chmod(0o777)
-        monkeypatch.setenv(kernel_cache.NODE_CACHE_VARIABLE, str(tmp_path / "scratch"))
-    with kernel_cache.one_build_at_a_time():
+        monkeypatch.setenv(kernel_cache.NODE_CACHE_ENV_VARIABLE, str(tmp_path / "scratch"))
+    with kernel_cache.build_lock():
         assert "POCL_CACHE_DIR" not in os.environ
 
 
 def build(log: Path) -> None:
-    with kernel_cache.one_build_at_a_time():
+    with kernel_cache.build_lock():
         for word in ("begin", "end"):
             with log.open("a") as handle:
                 handle.write(f"{word}\n")
@@ -46,7 +46,7 @@ def build(log: Path) -> None:
 
 
 def test_jobs_build_one_after_the_other(tmp_path, monkeypatch):
-    monkeypatch.setenv(kernel_cache.NODE_CACHE_VARIABLE, str(tmp_path))
+    monkeypatch.setenv(kernel_cache.NODE_CACHE_ENV_VARIABLE, str(tmp_path))
     log = tmp_path / "log"
     fork = multiprocessing.get_context("fork")
     processes = [fork.Process(target=build, args=(log,)) for _ in range(3)]

@@ -10,10 +10,10 @@ from reference_forces import SCREEN_THETA
 
 from squeezefilm.cli.main import main
 from squeezefilm.designs.optimal import (
-    exchange,
+    exact_design_by_exchange,
     maximin_design,
-    optimal_in_box,
-    optimal_weights,
+    optimal_approximate_design,
+    optimal_design_in_space,
     sensitivity,
 )
 from squeezefilm.designs.paper_design import Criterion, search_design
@@ -52,7 +52,7 @@ def powers(x: np.ndarray, *, degree: int) -> np.ndarray:
 def test_known_designs_are_found_off_the_grid(gradients, limits, points):
     """Box and Lucas (1959); Duggleby (1979); Fedorov (1972): as many points as parameters."""
     space = Space({"x": limits})
-    design = optimal_in_box(gradients, space, space.levels(24))
+    design = optimal_design_in_space(gradients, space, space.levels(24))
     order = np.argsort(design.points[:, 0])
     span = limits[1] - limits[0]
     np.testing.assert_allclose(design.points[order, 0], points, atol=1e-5 * span)
@@ -74,7 +74,7 @@ def test_a_certificate_holds_between_the_candidates(degree, factors):
 
     dense = gradients(space.levels(20001 if factors == 1 else 301))
     for levels in range(degree + 2, 26, 3 if factors == 1 else 8):
-        design = optimal_in_box(gradients, space, space.levels(levels), gap=1e-6)
+        design = optimal_design_in_space(gradients, space, space.levels(levels), gap=1e-6)
         largest = sensitivity(gradients(design.points), dense, weights=design.weights).max()
         assert design.efficiency_bound <= 1 / largest + 1e-9, levels
         assert design.efficiency_bound > 1 - 1e-5
@@ -83,11 +83,11 @@ def test_a_certificate_holds_between_the_candidates(degree, factors):
 def test_the_maximin_design_is_best_for_the_worst_vector():
     x = np.linspace(0.01, 5, 500)[:, None]
     stack = np.stack([michaelis_menten(x, k=k) for k in (0.1, 1.0, 5.0)])
-    goal = np.array([optimal_weights(layer).log_det[0] for layer in stack])
+    goal = np.array([optimal_approximate_design(layer).log_det[0] for layer in stack])
     design = maximin_design(stack)
     assert design.efficiency_bound > 1 - 1e-4
     efficiencies = np.exp((design.log_det - goal) / 2)
-    bayesian = optimal_weights(stack)
+    bayesian = optimal_approximate_design(stack)
     assert efficiencies.min() > np.exp((bayesian.log_det - goal) / 2).min() + 0.01
 
 
@@ -99,7 +99,7 @@ def test_an_exact_design_is_the_best_of_all_choices():
         return float(np.linalg.slogdet(rows.T @ rows)[1])
 
     for points in (3, 4, 5):
-        found = exchange(f, points)
+        found = exact_design_by_exchange(f, points)
         best = max(combinations(range(11), points), key=value)
         assert value(found) == pytest.approx(value(best), abs=1e-9)
         assert len(set(found)) == points
@@ -115,14 +115,15 @@ def test_no_further_starts_find_a_better_exact_design():
         return float(np.linalg.slogdet(f[chosen].T @ f[chosen])[1])
 
     assert (
-        value(exchange(f, 7, **apart)) >= value(exchange(f, 7, starts=80, seed=2, **apart)) - 1e-9
+        value(exact_design_by_exchange(f, 7, **apart))
+        >= value(exact_design_by_exchange(f, 7, starts=80, seed=2, **apart)) - 1e-9
     )
 
 
 def test_exact_points_keep_their_distance_from_each_other_and_from_existing_ones():
     x = np.linspace(-1, 1, 41)[:, None]
     f, there = powers(x, degree=2), np.array([[-1.0]])
-    found = exchange(
+    found = exact_design_by_exchange(
         f,
         4,
         existing=powers(there, degree=2),
@@ -133,7 +134,7 @@ def test_exact_points_keep_their_distance_from_each_other_and_from_existing_ones
     places = np.sort(np.append(x[found, 0], -1.0))
     assert np.diff(places).min() >= 0.3 - 1e-12
     with pytest.raises(InputError, match="only 2 of 3 points fit"):
-        exchange(f, 3, coordinates=x, separation=1.5)
+        exact_design_by_exchange(f, 3, coordinates=x, separation=1.5)
 
 
 def test_random_candidates_have_a_certified_design_and_undefined_ones_no_weight():
@@ -143,10 +144,10 @@ def test_random_candidates_have_a_certified_design_and_undefined_ones_no_weight(
             -6, 6, parameters
         )
         f[:, :50] = np.nan
-        design = optimal_weights(f, gap=1e-6)
+        design = optimal_approximate_design(f, gap=1e-6)
         assert design.efficiency_bound >= 1 - 1e-6
         assert np.flatnonzero(design.weights).min() >= 50
-        assert exchange(f, parameters).min() >= 50
+        assert exact_design_by_exchange(f, parameters).min() >= 50
 
 
 def test_points_outside_the_ranges_and_missing_designs_are_named(tmp_path, repository, capsys):

@@ -46,4 +46,4 @@ def test_what_flows_through_the_edge_is_what_the_pad_gives(pad):
     assert grid.laplacian @ grid.s == pytest.approx(np.full(grid.inner.sum(), CURVATURE), rel=1e-6)
     assert grid.weights.sum() == pytest.approx(1, abs=1e-9)
     assert -grid.edge_weights @ grid.edge_slope == pytest.approx(CURVATURE, rel=1e-8)
-    assert grid.edge_to_nodes @ grid.edge_s == pytest.approx(grid.s[~grid.inner], rel=1e-12)
+    assert grid.edge_to_nodes_matrix @ grid.edge_s == pytest.approx(grid.s[~grid.inner], rel=1e-12)

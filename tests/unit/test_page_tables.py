@@ -9,8 +9,8 @@ import pytest
 from squeezefilm.cli import main as cli
 from squeezefilm_workflow.paper import uncertainty
 from squeezefilm_workflow.reporting import models
-from squeezefilm_workflow.reporting.notes import claims_verdict_note
-from squeezefilm_workflow.reporting.pages import html_of_markdown, render
+from squeezefilm_workflow.reporting.notes import claim_verdict_counts
+from squeezefilm_workflow.reporting.pages import html_of_markdown, render_template
 
 
 def heads(markdown):
@@ -27,7 +27,7 @@ def test_the_claims_have_their_verdict_beside_them():
     claim = {"claim_id": "a", "claim": "force", "paper": "1", "ours": "2", "unit": "N"}
     claim |= {"kind": "result", "verdict": "differs because", "explanation": "long"}
     claims = pd.DataFrame([claim, claim | {"kind": "setting", "verdict": "agrees exactly"}])
-    page = render("claims.md", claims=claims, **claims_verdict_note(claims))
+    page = render_template("claims.md", claims=claims, **claim_verdict_counts(claims))
     assert [head[:2] for head in heads(page)] == 2 * [["claim", "verdict"]]
     assert '<td class="bad">differs' in html_of_markdown(page)
     count = "0 of the 1 results of the paper that this study decides agree; 1 of 1 settings"
@@ -43,7 +43,7 @@ def test_assumptions_are_told_by_difference_with_their_verdict_first(monkeypatch
     rows = [row | {"verdict": verdict, "because": "digits"} for verdict in ("explains", "cannot")]
     monkeypatch.setattr(uncertainty, "assumptions_table", lambda config, forces: pd.DataFrame(rows))
     monkeypatch.setattr(uncertainty, "solver_settings", lambda config, outputs: None)
-    page = render(
+    page = render_template(
         "uncertainty.md", **uncertainty.uncertainty_page(SimpleNamespace(config=None)).values
     )
     (columns,) = heads(page)
@@ -63,7 +63,7 @@ def test_models_have_their_verdict_first_and_columns_in_words():
         [row | {"model": name, "validation_error": error} for name, error in errors.items()]
     )
     table.loc[table["model"] == "short", "parameters"] = 1
-    shown = models.shown_table(models.ranked(table))
+    shown = models.shown_models_table(models.ranked_models(table))
     assert list(shown.columns[:3]) == ["model", "verdict", "global error"]
     assert list(shown["model"]) == ["short", "long", "worse"]
     assert list(shown["verdict"]) == ["recommended", "1 times the error", "2 times the error"]
@@ -72,7 +72,9 @@ def test_models_have_their_verdict_first_and_columns_in_words():
     assert shown["global error"].iloc[0] == "2 %"
     assert shown["least coverage"].iloc[0] == "90 %, high third of the gap h0"
     none_validated = table[table["model"] == "unknown"]
-    assert list(models.shown_table(models.ranked(none_validated)).columns) == list(shown.columns)
+    assert list(models.shown_models_table(models.ranked_models(none_validated)).columns) == list(
+        shown.columns
+    )
 
 
 @pytest.mark.parametrize("word", ["recommended", "explains"])
@@ -86,7 +88,7 @@ def test_recommended_errors_are_shown_in_percent_as_on_the_pages(monkeypatch, tm
     row |= {"worst_error": 0.06174, "h0_m": 5e-6, "hv_m": 1e-6, "force_n": 0.3}
     own = models.Results(tmp_path, SimpleNamespace())
     monkeypatch.setattr(models.Results, "of", lambda *_: own)
-    monkeypatch.setattr(models, "recommend", lambda _: pd.DataFrame([row, row]))
+    monkeypatch.setattr(models, "recommendation_table", lambda _: pd.DataFrame([row, row]))
     assert cli.main(["recommend", str(tmp_path)]) == 0
     told = capsys.readouterr().out.splitlines()
     assert told.pop() == f"fit of two_factor: {tmp_path}/models/two_factor/bump.json"

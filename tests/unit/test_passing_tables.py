@@ -7,7 +7,7 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.errors import InputError
-from squeezefilm_workflow.reporting.figures.curve import curve
+from squeezefilm_workflow.reporting.figures.curve import curve_figure
 
 POINTS = ["--h0=5um:9um:3", "--hv=0.5um:1.5um:3"]
 # Of each table the command that writes it; {TABLE} stands for another one, or a fit.
@@ -93,7 +93,7 @@ def points(**changes: object) -> pd.DataFrame:
 
 
 def test_forces_over_x_and_y_are_a_map_that_names_gap_amplitude_and_study():
-    figure = curve(points())
+    figure = curve_figure(points())
     map_axes, bar = figure.axes
     assert (map_axes.get_xlabel(), map_axes.get_ylabel()) == (
         "position $x$ (mm)",
@@ -103,11 +103,11 @@ def test_forces_over_x_and_y_are_a_map_that_names_gap_amplitude_and_study():
     assert map_axes.get_title() == "$h_0$ = 5 µm, $h_v$ = 1 µm, study mine"
     on_a_line = points(y_m=[0.0, 1e-3, 2e-3, 3e-3], x_m=[0.0, 1e-3, 2e-3, 3e-3])
     with pytest.raises(InputError, match="the positions lie on a line"):
-        curve(on_a_line)
+        curve_figure(on_a_line)
 
 
 def test_curves_are_told_apart_without_colours_and_name_what_is_constant():
-    figure = curve(
+    figure = curve_figure(
         points(x_m=1e-3, y_m=0.0, h0_m=[5e-6, 6e-6, 5e-6, 6e-6], hv_m=[1e-6, 1e-6, 2e-6, 2e-6])
     )
     (axes,) = figure.axes
@@ -118,7 +118,7 @@ def test_curves_are_told_apart_without_colours_and_name_what_is_constant():
 
 def test_a_point_without_a_gap_is_counted_and_not_drawn():
     table = points(x_m=0.0, y_m=0.0, load_n=[1.0, 2.0, 3.0, 4.0], h0_m=[5e-6, 4e-6, 3e-6, None])
-    figure = curve(table.drop(columns=["force_n", "force_error_n"]))
+    figure = curve_figure(table.drop(columns=["force_n", "force_error_n"]))
     (axes,) = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("load (N)", "gap $h_0$ (µm)")
     assert axes.containers[0].lines[0].get_ydata() == pytest.approx([5, 4, 3])
@@ -137,7 +137,7 @@ def test_a_levitation_is_drawn_with_its_modelling_error_stiffness_and_resonance(
         resonance_hz=[500.0, 600.0, None, None],
         resonance_error_hz=5.0,
     )
-    figure = curve(table)
+    figure = curve_figure(table)
     gap, stiffness, resonance = figure.axes
     (band,) = gap.collections[-1].get_paths()
     assert band.vertices[:, 1].min() == pytest.approx(2.5)
@@ -146,7 +146,7 @@ def test_a_levitation_is_drawn_with_its_modelling_error_stiffness_and_resonance(
     assert resonance.get_ylabel() == "resonance (Hz)"
     note = figure.texts[0].get_text()
     assert "Bars: numerical error, at most 0.001 µm. Bands: modelling error." in note
-    assert len(curve(table.assign(resonance_hz=None)).axes) == 2
+    assert len(curve_figure(table.assign(resonance_hz=None)).axes) == 2
 
 
 def test_the_table_of_a_profile_is_drawn(tmp_path):

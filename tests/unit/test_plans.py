@@ -5,14 +5,19 @@ import pandas as pd
 import pytest
 
 from squeezefilm.config.study import Positions
-from squeezefilm.film.symmetry import Mirrors
-from squeezefilm.studies.plans import plan_sizes, random_plan, scenes_of, sweep_pieces
+from squeezefilm.film.symmetry import MirrorAxes
+from squeezefilm.studies.plans import (
+    plan_point_counts,
+    plan_scenes_table,
+    random_plan,
+    sweep_table_pieces,
+)
 from squeezefilm.studies.space import pad_positions, space_filling_positions
 
 
 def test_the_screen_has_every_gap_with_every_amplitude_once(paper):
-    plan = scenes_of("screen", paper)
-    assert len(plan) == 60 == plan_sizes(paper)["screen"]
+    plan = plan_scenes_table("screen", paper)
+    assert len(plan) == 60 == plan_point_counts(paper)["screen"]
     assert plan["h0_m"].nunique() * plan["hv_m"].nunique() == 60
     assert not plan.drop(columns="point_id").duplicated().any()
     assert (plan[["phi_r_m", "phi_deg"]] == 0).all(axis=None)
@@ -24,15 +29,15 @@ def test_the_four_factor_plan_has_13_positions_with_5_points(paper):
     assert len(positions) == len(set(positions)) == 13
     assert positions[0] == (0.0, 0.0)
     design = pd.DataFrame({"h0_m": 5e-6, "hv_m": [1e-6, 1.2e-6, 1.4e-6, 1.6e-6, 2e-6]})
-    plan = scenes_of("four_factor", paper, design=design)
-    assert len(plan) == 65 == plan_sizes(paper)["four_factor"]
+    plan = plan_scenes_table("four_factor", paper, design=design)
+    assert len(plan) == 65 == plan_point_counts(paper)["four_factor"]
     assert not plan.drop(columns="point_id").duplicated().any()
 
 
 @pytest.mark.parametrize("mirrored", [True, False])
 def test_positions_of_another_study_fill_the_reachable_space(mirrored):
     """Whatever the wavelength, its phase at the positions is even: they cannot alias with it."""
-    symmetry = Mirrors(x=mirrored, y=False)
+    symmetry = MirrorAxes(x=mirrored, y=False)
     positions = space_filling_positions(symmetry, Positions(x=[0.01], y=[0.004], points=101))
     x_m, y_m = np.transpose(positions)
     assert positions[0] == (0.0, 0.0)
@@ -58,6 +63,6 @@ def test_a_sweep_fills_its_box_more_evenly_than_chance():
         assert all(((unit >= 0) & (unit < 1)).all() for unit in units)
         return abs(np.prod(units, axis=0).mean() - 0.5**4)
 
-    even = [error(*sweep_pieces(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
+    even = [error(*sweep_table_pieces(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
     random = [error(random_plan(points=1000, seed=seed, **BOX)) for seed in range(5)]
     assert np.mean(even) < 0.2 * np.mean(random)

@@ -7,7 +7,7 @@ from scipy import stats
 from squeezefilm.models.data import Factors
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
-    measured_interval,
+    conformal_interval,
     ranking_points_mask,
 )
 
@@ -39,7 +39,7 @@ def interval(factors: Factors, **changes) -> PredictionInterval:
         "scale": (1e-4, 0.01),
         "ranges": RANGES,
     }
-    return measured_interval(factors, **given | changes)
+    return conformal_interval(factors, **given | changes)
 
 
 def share_inside(measured: PredictionInterval, factors: Factors, level: float = 0.95) -> float:

@@ -11,7 +11,7 @@ from scipy import stats
 
 from squeezefilm.cli.main import main
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fitting import local_fit, parameter_ranges, sum_of_squares
+from squeezefilm.models.fitting import local_fit_theta, parameter_ranges, sum_of_squares
 from squeezefilm.models.force_model import make_model
 from squeezefilm.tables import FORCE_COLUMNS
 
@@ -22,7 +22,7 @@ AT = Factors.of(h0_m=5e-6, hv_m=5e-6 * EPSILON)
 
 def test_ranges_of_a_straight_line_are_the_intervals_of_student():
     force = 0.1 + 2 * EPSILON + 0.01 * np.sin(40 * EPSILON)
-    theta = local_fit(LINE, AT, force, [0.0, 1.0])
+    theta = local_fit_theta(LINE, AT, force, [0.0, 1.0])
     ranges = parameter_ranges(LINE, AT, force, theta)
     known = stats.linregress(EPSILON, force)
     t = stats.t.ppf(0.975, len(force) - 2)
@@ -58,7 +58,7 @@ def test_the_file_of_a_fit_has_the_ranges_of_its_parameters(tmp_path, repository
 
 def test_at_the_end_of_a_range_the_sum_of_squares_is_what_was_asked_for():
     at, forces = reference_forces("screen")
-    theta = local_fit(TWO_FACTOR, at, forces, (7.6, 1.9, -1.0))
+    theta = local_fit_theta(TWO_FACTOR, at, forces, (7.6, 1.9, -1.0))
     least = sum_of_squares(TWO_FACTOR, at, forces, theta)
     spare = len(forces) - 3
     wanted = least * (1 + stats.f.ppf(0.95, 1, spare) / spare)
@@ -73,7 +73,7 @@ def test_a_parameter_that_the_points_do_not_bound_has_an_open_range():
     """exp(-t0 eps) is nothing for every large t0."""
     step = make_model("step", {"expression": "t1*(1 - exp(-t0*hv/h0))"}, source="test")
     force = 0.5 + 1e-4 * np.sin(50 * EPSILON)
-    theta = local_fit(step, AT, force, [60.0, 0.5])
+    theta = local_fit_theta(step, AT, force, [60.0, 0.5])
     slope = parameter_ranges(step, AT, force, theta)[0]
     assert slope.upper == np.inf
     assert 10 < slope.lower < slope.estimate

@@ -35,8 +35,8 @@ def test_a_command_on_one_scene_shows_how_far_it_is(monkeypatch, command, stream
 
 def test_quick_work_shows_nothing(monkeypatch, capsys):
     with (
-        parallel.showing_progress("squeezefilm"),
-        parallel.report_progress(2, unit="part", name="a"),
+        parallel.show_progress("squeezefilm"),
+        parallel.track_progress(2, unit="part", name="a"),
     ):
         time.sleep(0.01)
     assert capsys.readouterr().err == ""
@@ -45,9 +45,9 @@ def test_quick_work_shows_nothing(monkeypatch, capsys):
 def test_work_within_other_work_is_shown_in_order(monkeypatch, capsys):
     monkeypatch.setattr(parallel, "PROGRESS_INTERVAL_S", 0.01)
     with (
-        parallel.showing_progress("squeezefilm"),
-        parallel.report_progress(4, unit="load", name="levitate") as loads,
-        parallel.report_progress(1, unit="scene", name="solve"),
+        parallel.show_progress("squeezefilm"),
+        parallel.track_progress(4, unit="load", name="levitate") as loads,
+        parallel.track_progress(1, unit="scene", name="solve"),
     ):
         loads.update(1)
         time.sleep(0.05)

@@ -13,13 +13,13 @@ from squeezefilm.config.loading import load_config, with_changed_keys
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.scan import Scan
-from squeezefilm.film.measured.smooth import SmoothedScan, smooth_scan, smoothed_scan
+from squeezefilm.film.measured.smooth import SmoothedScan, smooth_scan, smoothed_scan_of_file
 from squeezefilm.film.surfaces import Rectangle
-from squeezefilm.film.symmetry import Mirrors, symmetry_from_dict
+from squeezefilm.film.symmetry import MirrorAxes, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.space import pad_positions, space_of
-from squeezefilm.studies.study import scene_of
+from squeezefilm.studies.space import pad_positions, space_of_study
+from squeezefilm.studies.study import scene_of_study
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
 PAD = {"shape": "rectangle", "length_x_m": 0.010, "length_y_m": 0.008}
@@ -58,9 +58,9 @@ def test_an_ordinary_scan_gives_the_profile_within_its_error(shape, columns, row
     noise = np.random.default_rng(1).normal(scale=0.015, size=len(x_m))
     amplitude_m = 1e-6 * (exact(x_m, y_m) + noise + 0j)
     lines = np.arange(len(x_m)) + 2
-    scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
+    scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, has_phase_or_sign=True)
     smooth = smooth_scan(scan, surface=surface, axisymmetric=False)
-    x_m, y_m, _ = surface.net()
+    x_m, y_m, _ = surface.net_points_and_weights()
     found_m = smooth.peak_m * smooth.profile.amplitude(x_m=x_m, y_m=y_m)
     off_m = np.abs(np.abs(found_m) - np.abs(1e-6 * exact(x_m, y_m)))
     error_m = smooth.peak_m * smooth.standard_error(x_m=x_m, y_m=y_m)
@@ -78,7 +78,7 @@ def test_a_scan_that_is_too_coarse_names_the_spacing_that_would_do():
         noise = np.random.default_rng(5).normal(scale=0.02, size=len(x_m))
         amplitude_m = 1e-6 * (np.cos(2 * np.pi * x_m / 0.012) + noise + 0j)
         lines = np.arange(len(x_m)) + 2
-        scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
+        scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, has_phase_or_sign=True)
         return smooth_scan(scan, surface=surface, axisymmetric=False)
 
     with pytest.raises(InputError, match=r"modes of degree \d+; .*actuator\.surface") as refusal:
@@ -90,7 +90,7 @@ def test_a_scan_that_is_too_coarse_names_the_spacing_that_would_do():
 def test_a_scan_is_smoothed_within_its_error(tmp_path):
     path = tmp_path / "scan.csv"
     path.write_text(scan_text(noise=0.02, missing=0.03, seed=5, surface="plate"), encoding="utf-8")
-    smoothed = smoothed_scan(path, surface=PLATE, axisymmetric=False)
+    smoothed = smoothed_scan_of_file(path, surface=PLATE, axisymmetric=False)
     even = np.outer(np.arange(500) + 0.5, 1.32471795724474602596 ** np.array([-1.0, -2.0])) % 1
     x_m, y_m = ((2 * even - 1) * PLATE.half_extents_m).T  # all over it, but its very corners
     exact = EXAMPLES["plate"][1].amplitude(x_m=x_m, y_m=y_m)
@@ -104,32 +104,32 @@ def test_a_scan_is_smoothed_within_its_error(tmp_path):
 @pytest.mark.parametrize(("x_m", "y_m"), [(0.0101, 0.0), (0.0, -0.0061)])
 def test_the_pad_must_lie_on_the_plate(plate, x_m, y_m):
     config = study(plate)
-    scene_of(config, 5e-6, 2e-6, x_m=0.010, y_m=-0.006)
+    scene_of_study(config, 5e-6, 2e-6, x_m=0.010, y_m=-0.006)
     with pytest.raises(InputError, match=r"a corner of the pad lies at x = .*, off the actuator"):
-        scene_of(config, 5e-6, 2e-6, x_m=x_m, y_m=y_m)
+        scene_of_study(config, 5e-6, 2e-6, x_m=x_m, y_m=y_m)
 
 
 def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):
     config = with_changed_keys(study(plate), {"positions": {"x": [0.005, 0.0095], "y": [0, 0.005]}})
-    assert config.symmetry() == Mirrors(x=True, y=True)
+    assert config.symmetry() == MirrorAxes(x=True, y=True)
     mirrored = pad_positions(config)
     assert mirrored[:4] == [(0.0, 0.0), (0.0, 0.005), (0.005, 0.0), (0.005, 0.005)]
     assert len(mirrored) == 3 * 2  # those on the mirrors are among them
-    assert space_of(config).limits["x_m"] == (0.0, 0.0095)
+    assert space_of_study(config).limits["x_m"] == (0.0, 0.0095)
     sliding = study(config, pad={"speed_x_m_per_s": 0.1})
-    assert sliding.symmetry() == Mirrors(x=False, y=True)
-    assert space_of(sliding).limits["x_m"] == (-0.0095, 0.0095)
+    assert sliding.symmetry() == MirrorAxes(x=False, y=True)
+    assert space_of_study(sliding).limits["x_m"] == (-0.0095, 0.0095)
     assert len(pad_positions(sliding)) == 1 + 4 * 2
-    assert plate.symmetry() == Mirrors(x=False, y=False)  # a scan, with its noise
+    assert plate.symmetry() == MirrorAxes(x=False, y=False)  # a scan, with its noise
 
 
 def test_mirrored_positions_have_the_same_force(plate):
     config = study(plate)
     places = [(0.004, 0.003), (-0.004, 0.003), (0.004, -0.003), (-0.004, -0.003)]
-    scenes = [scene_of(config, 5e-6, 2e-6, x_m=x, y_m=y) for x, y in places]
+    scenes = [scene_of_study(config, 5e-6, 2e-6, x_m=x, y_m=y) for x, y in places]
     forces = [each.force_n for each in solve(resolve_auto_terms(scenes), tolerance=1e-6)]
     assert forces == pytest.approx([forces[0]] * 4, rel=3e-6)
-    found = Mirrors(x=True, y=False)
+    found = MirrorAxes(x=True, y=False)
     folded = found.representative_positions(x_m=np.array([-1.0, 2.0]), y_m=np.array([-3.0, 4.0]))
     assert folded["x_m"].tolist() == [1.0, 2.0]
     assert folded["y_m"].tolist() == [-3.0, 4.0]
@@ -137,6 +137,8 @@ def test_mirrored_positions_have_the_same_force(plate):
 
 
 def test_a_plate_s_surface_has_its_key_where_settings_are_shown(repository):
-    actuator = load_config(repository / "config/plate.yaml").sections("actuator")["actuator"]
+    actuator = load_config(repository / "config/plate.yaml").sections_as_dict("actuator")[
+        "actuator"
+    ]
     assert actuator["surface"] == {"shape": "rectangle", "length_x_m": 0.03, "length_y_m": 0.02}
     assert "rectangle" not in actuator

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from squeezefilm.config.study import Refine
-from squeezefilm.designs.sequential import Outcome, Pool, SequentialDesign
+from squeezefilm.designs.sequential import Outcome, PointPool, SequentialDesign
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 
@@ -24,7 +24,7 @@ def model(expression: str) -> ExpressionModel:
 QUADRATIC = "t0*(hv/h0)**2 + t1*(hv/h0)**4"
 
 
-def pool(*, checks: int = CHECKS) -> Pool:
+def pool(*, checks: int = CHECKS) -> PointPool:
     """Gaps of 5 to 10 µm and amplitudes of 0.2 to 2 µm: a grid, checks and a sample."""
     gap, amplitude = np.meshgrid(np.linspace(0, 1, GRID), np.linspace(0, 1, GRID))
     drawn = np.random.default_rng(5).uniform(size=(checks + 200, 2))
@@ -32,7 +32,7 @@ def pool(*, checks: int = CHECKS) -> Pool:
     factors = Factors.of(h0_m=5e-6 + 5e-6 * unit[:, 0], hv_m=0.2e-6 + 1.8e-6 * unit[:, 1])
     ends = np.cumsum([0, GRID**2, checks, 200])
     parts = [np.arange(start, stop) for start, stop in pairwise(ends)]
-    return Pool(factors, unit, *parts)
+    return PointPool(factors, unit, *parts)
 
 
 def run(
@@ -41,7 +41,7 @@ def run(
     *,
     goal: dict = GOAL,
     error_n: float = 1e-9,
-    points: Pool | None = None,
+    points: PointPool | None = None,
 ) -> tuple[Outcome, list[int]]:
     points, asked = points or pool(), []
 
@@ -74,12 +74,12 @@ def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():
 
     found, _ = run(model(QUADRATIC), truth, points=points)
     last, everywhere = found.rounds[-1], np.arange(len(points.coordinates))
-    unseen = np.setdiff1d(everywhere, found.simulated)
+    unseen = np.setdiff1d(everywhere, found.simulated_indices)
     force = truth(points.factors.take(unseen).epsilon)
     misses = model(QUADRATIC).evaluate(last.theta, points.factors.take(unseen)) - force
     assert found.verdict == "reached"
     assert last.global_lower < np.linalg.norm(misses) / np.linalg.norm(force) < last.global_upper
-    assert 0.5 < last.worst_error * found.scale_n / np.abs(misses).max() < 3
+    assert 0.5 < last.worst_error * found.rms_force_n / np.abs(misses).max() < 3
 
 
 def test_a_model_that_lacks_a_term_is_found_out():
@@ -88,10 +88,10 @@ def test_a_model_that_lacks_a_term_is_found_out():
     assert len(asked) <= 12
     assert found.rounds[-1].floor > GOAL["worst_error"]
     # It is proved: no other parameter leaves a smaller largest residual than the floor.
-    factors = pool().factors.take(found.simulated)
+    factors = pool().factors.take(found.simulated_indices)
     square = factors.epsilon**2
     left = found.force_n - square * (square @ found.force_n) / (square @ square)
-    floor = found.rounds[-1].floor * found.scale_n
+    floor = found.rounds[-1].floor * found.rms_force_n
     assert floor == pytest.approx(np.sqrt(np.mean(left**2)), rel=1e-6)
     largest = [np.abs(t * square - found.force_n).max() for t in np.linspace(4, 12, 400)]
     assert min(largest) >= floor
@@ -111,7 +111,7 @@ def test_points_keep_their_distance():
     goal = GOAL | {"global_error": 1e-2, "worst_error": 1e-6, "simulations": 30, "batch": 3}
     found, _ = run(model(QUADRATIC), wavy(1e-7), goal=goal)
     assert len(found.rounds) > 3
-    places = pool().coordinates[found.simulated]
+    places = pool().coordinates[found.simulated_indices]
     gaps = np.linalg.norm(places[CHECKS:, None] - places[None], axis=-1)
     assert gaps[gaps > 0].min() >= 0.1 - 1e-9
     assert np.count_nonzero(gaps == 0) == len(places) - CHECKS

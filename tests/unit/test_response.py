@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
-from squeezefilm.formatting import result_lines
+from squeezefilm.formatting import result_lines_text
 
 ONE = ["response", "--h0", "5um", "--hv", "2.2um"]
 
@@ -49,7 +49,9 @@ def test_a_change_within_its_own_error_is_shown_as_a_bound(capsys):
     names = "thermal_gain_percent", "thermal_gain_error_percent"
     bound = sum(abs(row[name]) for name in names)
     assert abs(row[names[0]]) < row[names[1]]
-    (line,) = [each for each in result_lines(row).splitlines() if "gain by thermal effects" in each]
+    (line,) = [
+        each for each in result_lines_text(row).splitlines() if "gain by thermal effects" in each
+    ]
     shown = float(re.search(r"  within ± ([\d.]+) %$", line)[1])
     assert bound <= shown <= 1.1 * bound
 

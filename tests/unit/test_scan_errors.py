@@ -18,17 +18,17 @@ from squeezefilm.errors import InputError
 from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import (
     SmoothedScan,
-    read_smoothed,
+    read_smoothed_scan,
     smooth_scan,
-    write_smoothed,
+    write_smoothed_scan,
 )
 from squeezefilm.film.profiles import Profile, TravellingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
-from squeezefilm.studies.study import scene_of
-from squeezefilm.studies.tasks.scan_errors import scan_errors
+from squeezefilm.studies.study import scene_of_study
+from squeezefilm.studies.tasks.scan_errors import scan_errors_table
 from squeezefilm_workflow.reporting.figures.maps import _draw_over_radius
 
 RADIUS_M = 0.01
@@ -65,11 +65,13 @@ def scan_of(
     u = shape.amplitude(x_m=x_m, y_m=y_m) + noise * random.standard_normal(len(x_m))
     u[random.choice(len(u), strays, replace=False)] += 3 * random.choice([-1, 1], strays)
     lines = np.arange(len(u)) + 2
-    return Scan(Path("scan.csv"), x_m, y_m, 1e-6 * u.astype(complex), lines, 0, signed=True)
+    return Scan(
+        Path("scan.csv"), x_m, y_m, 1e-6 * u.astype(complex), lines, 0, has_phase_or_sign=True
+    )
 
 
 def unsigned(scan: Scan) -> Scan:
-    return replace(scan, amplitude_m=np.abs(scan.amplitude_m) + 0j, signed=False)
+    return replace(scan, amplitude_m=np.abs(scan.amplitude_m) + 0j, has_phase_or_sign=False)
 
 
 def smooth(scan: Scan, **settings: Any) -> SmoothedScan:
@@ -79,7 +81,7 @@ def smooth(scan: Scan, **settings: Any) -> SmoothedScan:
 @pytest.fixture(scope="module")
 def scene(repository):
     config = load_config(repository / "config" / "paper.yaml")
-    return scene_of(config, 5e-6, 2e-6)
+    return scene_of_study(config, 5e-6, 2e-6)
 
 
 def on(scene: Scene, shape: Profile) -> Scene:
@@ -99,7 +101,7 @@ def test_ninety_five_percent_of_the_intervals_hold_the_force(scene):
         (true,) = solve([on(scene, shape)], tolerance=1e-4, device=device)
         for strays, seed in product((0, 3), range(10)):
             scan = smooth(scan_of(shape, noise=0.03, seed=seed, strays=strays))
-            errors = scan_errors([on(scene, scan.profile)], scan, device=device).iloc[0]
+            errors = scan_errors_table([on(scene, scan.profile)], scan, device=device).iloc[0]
             difference = float(errors.force_n) - true.force_n
             held.append(abs(difference) <= errors.scan_error_n + 1e-3 * true.force_n)
     assert sum(held) >= binom.ppf(0.025, len(held), 0.95)
@@ -123,7 +125,7 @@ def test_what_a_smooth_shape_misses_is_no_noise(scene, shape):
     scenes = [replace(scene, pad=pad, x_m=x_m) for x_m in (0.0, 5e-3)]
     scan = smooth(scan_of(true, noise=0.0, seed=1, step_mm=step_mm))
     device = choose_device()
-    errors = scan_errors([on(each, scan.profile) for each in scenes], scan, device=device)
+    errors = scan_errors_table([on(each, scan.profile) for each in scenes], scan, device=device)
     forces = solve([on(each, true) for each in scenes], tolerance=1e-4, device=device)
     for (_, row), force in zip(errors.iterrows(), forces, strict=True):
         assert abs(row["force_n"] - force.force_n) <= row["scan_error_n"] + 1e-3 * force.force_n
@@ -148,9 +150,9 @@ def test_waves_along_one_side_with_a_slope_along_the_other_are_covered(scene):
         noise = 0.015 * np.random.default_rng(seed).standard_normal(len(x_m))
         amplitude_m = 1e-6 * (true.amplitude(x_m=x_m, y_m=y_m) + noise + 0j)
         lines = np.arange(len(x_m)) + 2
-        scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, signed=True)
+        scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, has_phase_or_sign=True)
         smooth = smooth_scan(scan, surface=surface, axisymmetric=False)
-        errors = scan_errors([on(pad, smooth.profile) for pad in pads], smooth, device=device)
+        errors = scan_errors_table([on(pad, smooth.profile) for pad in pads], smooth, device=device)
         held.append(np.abs(errors["force_n"] - exact_n) <= errors["scan_error_n"])
     assert np.mean(held) >= 0.9
 
@@ -177,7 +179,7 @@ def test_the_scale_may_be_taken_where_the_scan_measured():
     noise = 0.015 * np.random.default_rng(1).standard_normal(len(x_m))
     u = 1.2e-6 * (np.cos(2 * np.pi * x_m / 0.012 + 0.3) + noise)
     lines = np.arange(len(u)) + 2
-    scan = Scan(Path("scan.csv"), x_m, y_m, u.astype(complex), lines, 0, signed=True)
+    scan = Scan(Path("scan.csv"), x_m, y_m, u.astype(complex), lines, 0, has_phase_or_sign=True)
     surface = Rectangle(0.06, 0.04)
     default = smooth_scan(scan, surface=surface, axisymmetric=False)
     (note,) = default.warnings
@@ -194,8 +196,8 @@ def test_strays_are_not_fitted(scene):
     with_strays, without = (
         smooth(scan_of(shape, noise=0.01, seed=5, strays=strays)) for strays in (3, 0)
     )
-    assert with_strays.outliers.sum() == 3
-    assert np.abs(with_strays.residual_m[with_strays.outliers]) == pytest.approx(3e-6, rel=0.05)
+    assert with_strays.outlier_mask.sum() == 3
+    assert np.abs(with_strays.residual_m[with_strays.outlier_mask]) == pytest.approx(3e-6, rel=0.05)
     forces = [
         s.force_n
         for s in solve([on(scene, s.profile) for s in (with_strays, without)], tolerance=1e-3)
@@ -219,7 +221,7 @@ def with_two_phases(share: float) -> Scan:
     ratio = share / np.sqrt(1 - share**2)
     second *= ratio * np.sqrt(np.mean(first**2) / np.mean(second**2))
     u = 1e-6 * (first + 1j * second)
-    return Scan(Path("scan.csv"), x_m, y_m, u, np.arange(len(u)), 0, signed=True)
+    return Scan(Path("scan.csv"), x_m, y_m, u, np.arange(len(u)), 0, has_phase_or_sign=True)
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.7])
@@ -231,14 +233,14 @@ def test_a_scan_of_a_travelling_wave_is_one(scene, begin):
     u = wave.amplitude(x_m=x_m, y_m=y_m) + noise[0] + 1j * noise[1]
     lines = np.arange(len(u))
     measured = Scan(
-        Path("scan.csv"), x_m, y_m, 1e-6 * u * np.exp(1j * begin), lines, 0, signed=True
+        Path("scan.csv"), x_m, y_m, 1e-6 * u * np.exp(1j * begin), lines, 0, has_phase_or_sign=True
     )
     scan = smooth(measured)
     found = scan.profile.amplitude(x_m=x_m, y_m=y_m)
     together = np.vdot(found, u)
     assert np.abs(found * together / abs(together) - u).max() < 0.05
     sought, fitted = solve([on(scene, each) for each in (wave, scan.profile)], tolerance=1e-4)
-    errors = scan_errors([on(scene, scan.profile)], scan, device=choose_device()).iloc[0]
+    errors = scan_errors_table([on(scene, scan.profile)], scan, device=choose_device()).iloc[0]
     assert errors.quadrature_n == 0
     assert abs(fitted.force_n - sought.force_n) < errors.scan_error_n + fitted.force_error_n
     assert errors.measurement_noise_n < 0.1 * fitted.force_n
@@ -248,19 +250,19 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path = tmp_path / "scan.csv"
     path.write_text("as measured")
     scan = smooth(replace(with_two_phases(0.5), path=path))
-    write_smoothed(scan, tmp_path / "smoothed.npz", surface=Disc(RADIUS_M))
-    again = read_smoothed(tmp_path / "smoothed.npz", path, surface=Disc(RADIUS_M))
+    write_smoothed_scan(scan, tmp_path / "smoothed.npz", surface=Disc(RADIUS_M))
+    again = read_smoothed_scan(tmp_path / "smoothed.npz", path, surface=Disc(RADIUS_M))
     assert scan.profile.is_complex
     assert again.profile == scan.profile
     assert again.scan.notes == scan.scan.notes
-    assert np.array_equal(again.measured_m, scan.measured_m)
-    first, second = (each.residual_bootstrap(count=3, seed=1) for each in (scan, again))
+    assert np.array_equal(again.measured_amplitude_m, scan.measured_amplitude_m)
+    first, second = (each.bootstrap_profiles(count=3, seed=1) for each in (scan, again))
     assert first == second
     assert len({*first, scan.profile}) == 4
     path.write_text("measured again")
-    read_smoothed.cache_clear()
+    read_smoothed_scan.cache_clear()
     with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
-        read_smoothed(tmp_path / "smoothed.npz", path, surface=Disc(RADIUS_M))
+        read_smoothed_scan(tmp_path / "smoothed.npz", path, surface=Disc(RADIUS_M))
 
 
 class Trap:
@@ -281,9 +283,9 @@ def test_a_file_in_a_smoothed_scans_place_is_not_executed(tmp_path):
         lambda: np.savez(stored, made_from=np.array([Trap(trace)], dtype=object)),
     ):
         write()
-        read_smoothed.cache_clear()
+        read_smoothed_scan.cache_clear()
         with pytest.raises(InputError, match=r"smoothed\.npz: not a smoothed scan"):
-            read_smoothed(stored, scan, surface=Disc(RADIUS_M))
+            read_smoothed_scan(stored, scan, surface=Disc(RADIUS_M))
         assert not trace.exists()
 
 

@@ -12,8 +12,8 @@ import squeezefilm as sf
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import Scan
-from squeezefilm.film.measured.smooth import smoothed_scan
-from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.measured.smooth import smoothed_scan_of_file
+from squeezefilm.film.surfaces import Disc, Rectangle
 
 FREQUENCY_HZ = 43270.0
 RADIUS_M = 0.01
@@ -278,6 +278,10 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         20 * np.log10(abs(SPEED)),
         PHASE,
     ).encode(),
+    "decibels by B&K": text(
+        "X[mm],Y[mm],Response(Vel) [dB/1.00n m/s],Phase[Degree]",
+        *(X, Y, 20 * np.log10(1e6 * abs(SPEED)), PHASE),
+    ).encode("latin-1"),
     "a level in decibels beside the amplitude": text(
         "x_mm,y_mm,Pegel [dB],amplitude_um,phase_deg", X, Y, X, abs(U), PHASE
     ).encode(),
@@ -309,6 +313,12 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
     ).encode(),
     "Origin": text(
         "x\ty\tAmplitude\tPhase\nmm\tmm\t\\g(m)m\tdeg\nstage\tstage\tlock-in R\tlock-in Theta",
+        *(X, Y, abs(U), PHASE),
+    )
+    .replace(",", "\t")
+    .encode(),
+    "Origin, a comment of the second column": text(
+        "x\ty\tAmplitude\tPhase\nmm\tmm\tµm\tdeg\n\tdisc, 43.27 kHz\t\t",
         *(X, Y, abs(U), PHASE),
     )
     .replace(",", "\t")
@@ -366,6 +376,13 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
     "units of which one is unknown, of no account": text(
         "X,Y,Amplitude,Phase,Coherence\nmm,mm,µm,deg,p.u.", X, Y, abs(U), PHASE, 0 * X
     ).encode(),
+    "COMSOL, amplitude and phase": text(
+        "% x         y          solid.uAmpZ (µm)          solid.uPhaseZ (rad)",
+        *(X, Y, abs(U), np.radians(PHASE)),
+    )
+    .replace("%", "% Length unit:   mm\n%")
+    .replace(",", "      ")
+    .encode(),
     "COMSOL, abs and arg": text(
         "% Length unit:   mm\n% x         y          abs(w) (µm)          arg(w) (rad)",
         *(X, Y, abs(U), np.radians(PHASE)),
@@ -382,7 +399,7 @@ def same(scan: Scan, *, digits: float = 1e-6) -> None:
     one = scan.amplitude_m[np.argmax(np.abs(U))]
     turned = scan.amplitude_m * abs(one) / one
     assert np.abs(turned - U * 1e-6).max() < digits * 1.2e-6
-    assert scan.signed
+    assert scan.has_phase_or_sign
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -451,7 +468,7 @@ WRONG = {
     "a velocity's letter": (with_header("x_mm,y_mm,v,phase_deg"), "as in v [mm/s]"),
     "a phase called phi": (
         with_header("x_mm,y_mm,amplitude_um,phi_deg"),
-        "r or phi stands beside x and y; leave it out, or call it amplitude or phase",
+        "r or phi stands beside x and y; leave it out, or call it amplitude_um or phase_deg",
     ),
     "a motion over a voltage": (
         with_header("x_mm,y_mm,H1 Displacement/Voltage [m/V],H1 Displacement/Voltage Phase [deg]"),
@@ -483,6 +500,15 @@ WRONG = {
         with_header("x_mm,y_mm,s_nm,t_us"),
         "a time series ('t_us') is no shape; export amplitude and phase at the actuator's",
     ),
+    "a second table": (
+        f"first part\n{PLAIN}\nsecond part\n{PLAIN}",
+        f"line {len(PLAIN.splitlines()) + 4}: the header stands again: a second table",
+    ),
+    "a motion called z": (with_header("x_mm,y_mm,z_um,phase_deg"), "not understood: 'z_um'"),
+    "columns of many points": (
+        text(",".join(["Frequency (Hz)", *(f"P{at} Re (um)" for at in range(9))]), *([X] * 10)),
+        "'P4 Re (um)', 'P5 Re (um)', …",
+    ),
     "two coordinates": (
         with_header("x_mm,X Pos [mm],y_mm,phase_deg"),
         "'x' stands twice: 'x_mm' and 'X Pos [mm]'",
@@ -500,6 +526,12 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
         read_scan(path, frequency_hz=FREQUENCY_HZ)
     assert message in str(refusal.value)
     assert "scan.csv: line" in str(refusal.value)
+
+
+def test_r_of_a_lock_in_amplifier_is_no_place(tmp_path):
+    content = with_header("x_mm,y_mm,R (V),Theta (deg)")
+    with pytest.raises(InputError, match=r"call it amplitude_um or phase_deg.*x, y, r, phi$"):
+        read(tmp_path / "scan.csv", content)
 
 
 def test_a_unit_and_the_frequency_are_asked_for_together(tmp_path):
@@ -537,6 +569,7 @@ def test_sign_level_and_status_are_known_in_eight_languages(language, tmp_path):
     [
         ("Status", "OK", "A/D Overrange"),
         ("Scan Status", "Optimal", "Not Measured"),
+        ("Status", "Optimal", "Not Available"),
         ("Zustand", "gültig", "ungültig"),
         ("Valid", "1", "0"),
         ("Overrange", "", "x"),
@@ -582,10 +615,21 @@ def test_exponents_of_mathematica_are_read(tmp_path):
     same(read(tmp_path / "scan.csv", content))
 
 
-def test_a_position_alone_is_one_on_a_line(tmp_path):
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Pos/mm,Amplitude/µm",
+        "% Arc length (mm)      Displacement field, Z component (um)",
+        "% Bogenlänge (mm)      Verschiebungsfeld, Z-Komponente (um)",
+    ],
+)
+def test_a_position_alone_is_one_on_a_line(header, tmp_path):
     r = np.linspace(-9.9, 9.9, 41)
-    scan = read(tmp_path / "scan.csv", text("Pos/mm,Amplitude/µm", r, np.sinc(0.1098 * r)))
-    assert scan.radial
+    content = text(header, r, np.sinc(0.1098 * r))
+    if header.startswith("%"):
+        content = header + content.removeprefix(header).replace(",", "      ")
+    scan = read(tmp_path / "scan.csv", content)
+    assert scan.is_radial
     assert scan.x_m == pytest.approx(r / 1e3)
 
 
@@ -601,12 +645,12 @@ def test_a_line_across_the_middle_is_an_axisymmetric_shape(name, tmp_path):
     path, r = tmp_path / "scan.csv", np.linspace(-9.9, 9.9, 41)
     path.write_text(text(f"{name},displacement_um", r, np.sinc(0.1098 * r)), encoding="utf-8")
     surface = Disc(RADIUS_M)
-    profile = smoothed_scan(path, surface=surface, axisymmetric=True).profile
-    x_m, y_m, _ = surface.net()
+    profile = smoothed_scan_of_file(path, surface=surface, axisymmetric=True).profile
+    x_m, y_m, _ = surface.net_points_and_weights()
     exact = np.sinc(109.8 * np.hypot(x_m, y_m))
     assert profile.amplitude(x_m=x_m, y_m=y_m) == pytest.approx(exact, abs=2e-3)
     with pytest.raises(InputError, match="axisymmetric: true"):
-        smoothed_scan(path, surface=surface, axisymmetric=False)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False)
 
 
 def measured_at(name: str, values: list[float], factors: list[float]) -> str:
@@ -639,6 +683,47 @@ def test_of_a_frequency_column_the_rows_at_the_actuators_are_read(tmp_path):
         elsewhere = measured_at("freq_hz", lines, [1] * len(lines))
         with pytest.raises(InputError, match="the actuator vibrates at 43270 Hz"):
             read(tmp_path / "scan.csv", elsewhere)
+
+
+def test_a_single_frequency_of_columns_is_noted_or_too_far(tmp_path):
+    """A mode of a model, some per cent away; at another frequency the shape is another."""
+    header = "x_mm,y_mm,w (um) @ freq={}".format
+    scan = read(tmp_path / "scan.csv", text(header(44100), X, Y, U))
+    same(scan)
+    assert "columns at 44100 Hz" in scan.notes
+    with pytest.raises(InputError, match=r"at 20110 Hz.*43270 Hz \(actuator.frequency\)"):
+        read(tmp_path / "scan.csv", text(header(20110), X, Y, U))
+
+
+def test_of_all_nodes_of_a_body_those_of_the_surface_are_asked_for(tmp_path):
+    """Nodes inside lie at no place of the surface's, so that no place has two amplitudes."""
+    tilt = 1 + 0.1 * X
+    same(read(tmp_path / "scan.csv", text("x_mm,y_mm,z_mm,uz_um", X, Y, tilt, U)))
+    inside = np.linspace(0, 7, len(X))
+    x, y, z = np.r_[X, 0.97 * X], np.r_[Y, 0.97 * Y], np.r_[0 * X + 8, inside]
+    content = text("x_mm,y_mm,Z Location,uz_um", x, y, z, np.r_[U, 0.5 * U])
+    with pytest.raises(InputError, match=r"heights.*rows: Z Location = 8 or another"):
+        read(tmp_path / "scan.csv", content)
+    same(read(tmp_path / "scan.csv", content, rows="Z Location = 8"))
+
+
+def test_zeros_of_points_not_measured_are_named(tmp_path):
+    path, zeros = tmp_path / "scan.csv", np.random.default_rng(2).random(len(X)) < 0.15
+    path.write_text(text("x_mm,y_mm,uz_um", X, Y, np.where(zeros, 0, U)), encoding="utf-8")
+    with pytest.raises(InputError, match=r"amplitude is 0; write nan where nothing was"):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=True)
+
+
+def test_what_a_part_of_a_surface_lacks_is_named(tmp_path):
+    """A quarter of a model, and a line along a plate."""
+    path, part = tmp_path / "scan.csv", (X >= 0) & (Y <= 0)
+    path.write_text(text("x_mm,y_mm,uz_um", X[part], Y[part], U[part]), encoding="utf-8")
+    with pytest.raises(InputError, match=r"of a half or a quarter.*axisymmetric: true"):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
+    plate = Rectangle(2 * RADIUS_M, RADIUS_M)
+    path.write_text(text("x_mm,uz_um", X, U), encoding="utf-8")
+    with pytest.raises(InputError, match=r"line.*across it.*kind: standing-wave"):
+        smoothed_scan_of_file(path, surface=plate, axisymmetric=False)
 
 
 def test_a_time_series_is_no_shape_and_a_repeated_scan_is_one(tmp_path):
@@ -837,6 +922,9 @@ def test_named_arrays_are_a_table(ending, tmp_path):
         ("scan.vtk", b"# vtk DataFile Version 3.0\n", "as CSV .in ParaView"),
         ("disc.pch", b"$SUBTITLE=DISC\n$LABEL   = \n", "Nastran.*as a universal file"),
         ("disc.f06", b"1\n   N A S T R A N\n", "Nastran.*x, y and T3, with units"),
+        ("plate.f06", b"1  PLATE\n   R E A L   E I G E N V E C T O R   N O .", "Nastran.*T3"),
+        ("disc.lis", b" LIST ALL SELECTED NODES.   DSYS=      0\n", "ANSYS.*Node Location"),
+        ("disc.lis", b"\n PRINT U    NODAL SOLUTION PER NODE\n", "ANSYS.*Node Location"),
         ("scan.dat", b'VARIABLES = "X", "Y"\n1 2\n', "Tecplot.*such as x_mm y_mm amplitude_um"),
         ("scan.itx", b"IGOR\rWAVES/D x_mm\r", "save the waves as delimited text"),
         ("grid.txt", b"% Model: disc.mph\n% Grid\n1 2 3\n", "data format Spreadsheet"),
@@ -855,14 +943,14 @@ def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
     path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
     path.write_text(text("x_mm,y_mm,amplitude_um", X + 100, Y - 20, U))
     with pytest.raises(InputError, match=r"all lie on it with .*origin: \[100 mm, -20 mm\]"):
-        smoothed_scan(path, surface=surface, axisymmetric=False)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False)
     same(read_scan(path, origin_m=(0.1, -0.02)))
     path.write_text(text("x_m,y_m,amplitude_um", X, Y, U))
     with pytest.raises(InputError, match="positions 1000 times smaller"):
-        smoothed_scan(path, surface=surface, axisymmetric=True)
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=True)
     path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
     with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
-        smoothed_scan(path, surface=surface, axisymmetric=False, scale="measured")
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False, scale="measured")
 
 
 def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):
@@ -901,7 +989,7 @@ def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothin
     for name, lines in (("gaps.csv", with_gaps), ("without.csv", without)):
         path = tmp_path / name
         path.write_text("\n".join(lines) + "\n")
-        found.append(smoothed_scan(path, surface=Disc(RADIUS_M), axisymmetric=False))
+        found.append(smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False))
     gaps, rest = found
     assert gaps.noise_m == rest.noise_m
     assert gaps.profile.coefficients == rest.profile.coefficients

@@ -8,11 +8,11 @@ import pytest
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import GapShape
-from squeezefilm.film.positions import cartesian
+from squeezefilm.film.positions import cartesian_from_polar
 from squeezefilm.film.profiles import Piston, Sinc
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import check_scene
-from squeezefilm.studies.study import scene_of, scenes_in
+from squeezefilm.studies.study import scene_of_study, scenes_of_table
 
 
 def test_dimensionless_numbers_of_the_paper(scene):
@@ -39,7 +39,7 @@ def test_sinc_is_one_in_the_middle_and_zero_at_its_node():
 
 
 def test_the_profile_is_seen_from_where_the_pad_is(scene):
-    moved = replace(scene, **cartesian(2.9e-3, 30.0))
+    moved = replace(scene, **cartesian_from_polar(2.9e-3, 30.0))
     middle = moved.amplitude(np.array([0.5]), np.array([0.5]))
     assert middle == pytest.approx(np.sinc(109.8 * 2.9e-3))
     # The middle of the actuator lies off the pad's middle by the pad's displacement.
@@ -59,8 +59,8 @@ def test_scenes_as_columns_have_the_numbers_of_each(scene):
         assert getattr(scenes, name) == pytest.approx(alone, rel=1e-15), name
     assert scenes.closure == pytest.approx([one.closure() for one in each], rel=1e-15)
     assert scenes.closure[1] > scenes.closure[0]
-    alone = np.concatenate([Scenes.of([one]).static_gap_range for one in each], axis=1)
-    assert np.array(scenes.static_gap_range) == pytest.approx(alone, rel=1e-15)
+    alone = np.concatenate([Scenes.of([one]).static_gap_ratio_range for one in each], axis=1)
+    assert np.array(scenes.static_gap_ratio_range) == pytest.approx(alone, rel=1e-15)
 
 
 @pytest.mark.parametrize("polar", [True, False])
@@ -70,21 +70,21 @@ def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
     if not polar:
         places = {"x_m": [0.0, 1e-3], "y_m": [0.0, -2e-3]}
     table = points.assign(**places)
-    scenes = scenes_in(table, paper)
+    scenes = scenes_of_table(table, paper)
     x_m, y_m = (1e-3 * 3**0.5, 1e-3) if polar else (1e-3, -2e-3)
-    assert scenes[0] == replace(scene_of(paper, 5e-6, 2e-6), point_id="a")
-    expected = replace(scene_of(paper, 9e-6, 1e-6, x_m=x_m, y_m=y_m), point_id="b")
+    assert scenes[0] == replace(scene_of_study(paper, 5e-6, 2e-6), point_id="a")
+    expected = replace(scene_of_study(paper, 9e-6, 1e-6, x_m=x_m, y_m=y_m), point_id="b")
     assert (scenes[1].x_m, scenes[1].y_m) == pytest.approx((x_m, y_m), abs=1e-18)
     assert replace(scenes[1], x_m=x_m, y_m=y_m) == expected
     with pytest.raises(InputError, match="point b: hv = 1 µm reaches h0 = 1 µm"):
-        scenes_in(table.assign(h0_m=[5e-6, 1e-6]), paper)
+        scenes_of_table(table.assign(h0_m=[5e-6, 1e-6]), paper)
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"hv_m": 5e-6}, "surface and pad touch"),
-        (cartesian(2.94e-3, 45.0), "off the actuator's disc of radius 10.00 mm"),
+        (cartesian_from_polar(2.94e-3, 45.0), "off the actuator's disc of radius 10.00 mm"),
     ],
 )
 def test_a_scene_without_a_film_is_refused(scene, changes, message):

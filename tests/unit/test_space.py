@@ -6,14 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.designs.space import Space, coordinates
-from squeezefilm.studies.space import space_of
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.designs.space import Space, coordinate_function
+from squeezefilm.studies.space import space_of_study
+from squeezefilm.studies.study import scenes_of_table
 
 
 @pytest.fixture(scope="module")
 def space(paper):
-    return space_of(paper)
+    return space_of_study(paper)
 
 
 def wide(space: Space) -> Space:
@@ -27,9 +27,9 @@ def test_points_that_cannot_be_simulated_are_left_out(space, paper, kind):
     larger = wide(space)
     points = larger.grid(500, distinct=True) if kind == "grid" else larger.sample(300, seed=1)
     assert np.all(points[:, 1] < points[:, 0])
-    scenes_in(pd.DataFrame(points, columns=larger.names), paper)
+    scenes_of_table(pd.DataFrame(points, columns=larger.names), paper)
     corner = np.array([[9e-6, 2e-6, 3.5e-3, 0.0], [9e-6, 2e-6, 3.5e-3, 45.0]])
-    assert list(larger.allowed(corner)) == [True, False]
+    assert list(larger.allowed_mask(corner)) == [True, False]
 
 
 def test_a_sample_is_fair_and_repeatable(space):
@@ -46,10 +46,12 @@ def test_a_grid_has_its_limits_and_each_scene_once(space):
     unit = space.to_unit(points)
     assert unit.min() == 0
     assert unit.max() == 1
-    places = np.round(coordinates("scene", space)(points), 12)
+    places = np.round(coordinate_function("scene", space)(points), 12)
     assert len(np.unique(places, axis=0)) == len(points)
     assert len(space.grid(1500, distinct=False)) == 6**4
     # The first direction of a full circle is its last one.
     around = replace(space, limits=space.limits | {"phi_deg": (0.0, 360.0)})
     points = around.grid(3000, distinct=True)
-    assert len(np.unique(np.round(coordinates("scene", around)(points), 9), axis=0)) == len(points)
+    assert len(np.unique(np.round(coordinate_function("scene", around)(points), 9), axis=0)) == len(
+        points
+    )

@@ -8,11 +8,11 @@ import pytest
 from changed_sections import changed
 
 from squeezefilm.config.study import Study
-from squeezefilm.film.symmetry import Directions
+from squeezefilm.film.symmetry import DirectionSector
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.plans import plan_sizes
-from squeezefilm.studies.space import pad_positions, space_of
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.plans import plan_point_counts
+from squeezefilm.studies.space import pad_positions, space_of_study
+from squeezefilm.studies.study import scenes_of_table
 
 RECTANGLE = {"length_x_m": 0.0098, "length_y_m": 0.007}
 SMALL = {"length_x_m": 0.009, "length_y_m": 0.009}
@@ -68,7 +68,7 @@ def test_a_direction_and_its_fold_have_one_force(case, quick):
     angles = [directions.start_deg + image for image in images]
     assert directions.fold(angles) == pytest.approx(directions.start_deg + 11)
     at = {"h0_m": 9e-6, "hv_m": 2e-6, "phi_r_m": 0.0007}
-    scenes = scenes_in(pd.DataFrame({"phi_deg": angles}).assign(**at), config)
+    scenes = scenes_of_table(pd.DataFrame({"phi_deg": angles}).assign(**at), config)
     solutions = solve(scenes, tolerance=1e-3)
     assert {solution.status for solution in solutions} == {"ok"}
     force = [solution.force_n for solution in solutions]
@@ -77,12 +77,28 @@ def test_a_direction_and_its_fold_have_one_force(case, quick):
 
 
 def test_the_template_s_directions_stand_for_all_that_differ(quick):
-    assert Directions(0, 45, mirror=True).equivalent_deg([0, 15, 30, 45]) == [0, 15, 30, 45]
-    assert Directions(0, 180, mirror=True).equivalent_deg([0, 45]) == [0, 45, 90, 135, 180]
-    assert Directions(0, 180, mirror=False).equivalent_deg([0, 45]) == [0, 45, 90, 135]
+    assert DirectionSector(0, 45, mirror=True).equivalent_directions_deg([0, 15, 30, 45]) == [
+        0,
+        15,
+        30,
+        45,
+    ]
+    assert DirectionSector(0, 180, mirror=True).equivalent_directions_deg([0, 45]) == [
+        0,
+        45,
+        90,
+        135,
+        180,
+    ]
+    assert DirectionSector(0, 180, mirror=False).equivalent_directions_deg([0, 45]) == [
+        0,
+        45,
+        90,
+        135,
+    ]
     rectangle = study(quick, RECTANGLE)
     places = pad_positions(rectangle)
     assert {angle for _, angle in places} == {0, 45, 90}
-    assert plan_sizes(rectangle)["four_factor"] == len(places) * quick.design.points
-    assert space_of(rectangle).limits["phi_deg"] == (0, 90)
-    assert space_of(rectangle).limits["phi_deg"] == (0, 90)
+    assert plan_point_counts(rectangle)["four_factor"] == len(places) * quick.design.points
+    assert space_of_study(rectangle).limits["phi_deg"] == (0, 90)
+    assert space_of_study(rectangle).limits["phi_deg"] == (0, 90)

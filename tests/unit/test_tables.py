@@ -20,7 +20,7 @@ from squeezefilm.tables import (
     table_writer,
     write_table,
 )
-from squeezefilm.units import unit_of_column, unit_sizes
+from squeezefilm.units import quantity_and_unit_of_column, unit_sizes
 
 HEADER = ",".join(SCENE_COLUMNS)
 
@@ -207,7 +207,9 @@ def test_a_column_has_one_meaning_and_the_unit_of_its_name(tmp_path, repository)
     lines = (repository / "workflow/squeezefilm/columns.csv").read_text("utf-8").splitlines()
     assert len({each.name for each in COLUMNS.values() if each.meaning}) == len(lines) - 1 > 300
     for each in COLUMNS.values():
-        assert unit_of_column(each.name)[1] in ("", each.unit) or each.unit == "text", each
+        assert (
+            quantity_and_unit_of_column(each.name)[1] in ("", each.unit) or each.unit == "text"
+        ), each
         assert each.shown_unit in ("", *unit_sizes(each.unit)), each
     table = pd.DataFrame({"h0_m": [5e-6], "guess_n": [1.0]})
     with pytest.raises(ValueError, match="no guess_n"):

@@ -7,9 +7,9 @@ import sys
 
 import pytest
 
-from squeezefilm.cli.main import main, modules_of_commands
-from squeezefilm.files import enable_substitutes
-from squeezefilm.parallel import showing_progress
+from squeezefilm.cli.main import main, module_of_command
+from squeezefilm.files import enable_ascii_substitutes
+from squeezefilm.parallel import show_progress
 
 ENCODINGS = ("ascii", "cp437", "cp932", "latin-1")
 FORCE = ("simulate", "--h0", "5um", "--hv", "2.2um", "--tolerance", "1e-4")
@@ -19,7 +19,7 @@ PRINTED = {
     "config config/quick.yaml": (0, "study: quick"),
     "config config/ñandú-σ.yaml": (2, "there is no such configuration file"),
     "simulate --h0 5µm --hv 1°": (2, "must be a number with its unit: m, mm, um"),
-    **{f"{command} --help": (0, "usage: squeezefilm") for command in modules_of_commands()},
+    **{f"{command} --help": (0, "usage: squeezefilm") for command in module_of_command()},
 }
 
 
@@ -54,8 +54,8 @@ def test_progress_is_shown_in_ascii(monkeypatch):
     monkeypatch.setattr("squeezefilm.parallel.PROGRESS_INTERVAL_S", 0.01)
     terminal = io.TextIOWrapper(io.BytesIO(), encoding="ascii", errors="strict")
     monkeypatch.setattr("sys.stderr", terminal)
-    enable_substitutes(terminal)
-    with showing_progress("5 µm"):
+    enable_ascii_substitutes(terminal)
+    with show_progress("5 µm"):
         while b"5 um: " not in terminal.buffer.getvalue():
             pass
 

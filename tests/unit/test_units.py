@@ -6,7 +6,7 @@ import pytest
 from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
 from squeezefilm.errors import InputError
-from squeezefilm.formatting import percent, result_lines
+from squeezefilm.formatting import percent_text, result_lines_text
 from squeezefilm.models.force_model import ExpressionModel, make_model
 
 
@@ -82,16 +82,16 @@ def test_a_position_is_cartesian_unless_the_formula_is_polar():
 
 def test_a_row_in_lines_has_texts_and_says_what_is_not_known():
     row = {"h0_m": 4e-6, "damping_ratio": math.nan, "gain_percent": 5263.0}
-    shown = [line.split("  ")[-1].strip() for line in result_lines(row).splitlines()]
+    shown = [line.split("  ")[-1].strip() for line in result_lines_text(row).splitlines()]
     assert shown == ["not available", "5263 %", "h0 = 4 µm"]
-    assert percent(-0.499, 7e-5) == "-0.50 to +0.000070 %"
+    assert percent_text(-0.499, 7e-5) == "-0.50 to +0.000070 %"
 
 
 def test_a_stiffness_is_shown_without_an_exponent():
     row = {"static_stiffness_n_per_m": 61760.0, "static_stiffness_error_n_per_m": 820.0}
-    assert result_lines(row) == "static stiffness  61.76 ± 0.82 kN/m"
-    assert result_lines({"static_stiffness_n_per_m": 320.0}) == "static stiffness  320 N/m"
+    assert result_lines_text(row) == "static stiffness  61.76 ± 0.82 kN/m"
+    assert result_lines_text({"static_stiffness_n_per_m": 320.0}) == "static stiffness  320 N/m"
 
 
 def test_a_zero_has_no_sign():
-    assert result_lines({"centre_x_m": -0.0, "centre_x_error_m": 0.0}) == "centre x  0 ± 0 m"
+    assert result_lines_text({"centre_x_m": -0.0, "centre_x_error_m": 0.0}) == "centre x  0 ± 0 m"

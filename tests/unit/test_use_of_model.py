@@ -23,8 +23,8 @@ from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
-from squeezefilm.studies.tasks.physics_limits import limit_table_of
-from squeezefilm.units import quantities, round_to_error
+from squeezefilm.studies.tasks.physics_limits import limit_table_of_study
+from squeezefilm.units import parse_quantities, value_and_error_texts
 
 THETA = {
     "two_factor": SCREEN_THETA,
@@ -45,7 +45,7 @@ RANGES = {
 @pytest.fixture(scope="module")
 def limit_table(repository):
     config = load_config(repository / "config" / "quick.yaml")
-    return limit_table_of(config).model_dump(mode="json")
+    return limit_table_of_study(config).model_dump(mode="json")
 
 
 def validation(profile_uncertainty: float = 0.0) -> dict:
@@ -122,7 +122,7 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
     )
     assert len(table) == 8
     factors = Factors.of(**{c: table[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")})
-    expected = model.evaluate(THETA[name], read_fit(path).with_limits(factors))
+    expected = model.evaluate(THETA[name], read_fit(path).with_asymptotic_forces(factors))
     np.testing.assert_allclose(table["force_n"], expected, rtol=1e-12)
     np.testing.assert_allclose(table["error_95_n"], 2e-3 + 0.01 * expected, rtol=1e-12)
     np.testing.assert_allclose(table["error_99_n"], 4e-3 + 0.02 * expected, rtol=1e-12)
@@ -153,11 +153,11 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     assert len(found) == 3
     given = {c: found[c] for c in ("h0_m", "hv_m", "phi_r_m", "phi_deg")}
     fit = read_fit(path)
-    force = get_model(name).evaluate(THETA[name], fit.with_limits(Factors.of(**given)))
+    force = get_model(name).evaluate(THETA[name], fit.with_asymptotic_forces(Factors.of(**given)))
     np.testing.assert_allclose(force, 0.5, rtol=1e-10)
     # An amplitude larger by its error gives a force larger by the model's.
     more = Factors.of(**given | {"hv_m": found["hv_m"] + found["hv_error_95_m"]})
-    rise = get_model(name).evaluate(THETA[name], fit.with_limits(more)) - force
+    rise = get_model(name).evaluate(THETA[name], fit.with_asymptotic_forces(more)) - force
     np.testing.assert_allclose(rise, 2e-3 + 0.01 * 0.5, rtol=3e-2)
 
 
@@ -170,12 +170,12 @@ def test_a_parameter_without_a_unit_is_a_number_alone(write_fit):
 
 
 def test_one_unit_at_the_end_is_that_of_all_numbers():
-    assert quantities("0.5, 1, 2 um", option="--hv", unit="m") == [5e-7, 1e-6, 2e-6]
-    assert quantities("-2:2:3mm", option="--x", unit="m") == [-2e-3, 0, 2e-3]
-    assert quantities("0:45:4°", option="--phi", unit="deg") == [0, 15, 30, 45]
+    assert parse_quantities("0.5, 1, 2 um", option="--hv", unit="m") == [5e-7, 1e-6, 2e-6]
+    assert parse_quantities("-2:2:3mm", option="--x", unit="m") == [-2e-3, 0, 2e-3]
+    assert parse_quantities("0:45:4°", option="--phi", unit="deg") == [0, 15, 30, 45]
     for text in ("1,2", "1:2:3", "5um,6", "5:6um:3", "1:2um", "1:2:3:4um", "5:6:x um", "5:6:1um"):
         with pytest.raises(InputError, match="--h0"):
-            quantities(text, option="--h0", unit="m")
+            parse_quantities(text, option="--h0", unit="m")
 
 
 @pytest.mark.parametrize(
@@ -334,7 +334,7 @@ def test_exported_code_and_the_library_agree_on_the_declared_space(run, write_fi
         _, inside = np.array(run(fit, points, tmp_path), dtype=float).T
         assert 0 < inside.sum() < len(points)
         np.testing.assert_array_equal(
-            inside == 1, [not each for each in fit.interval.range_notes(factors)]
+            inside == 1, [not each for each in fit.prediction_interval.range_notes(factors)]
         )
 
 
@@ -436,7 +436,7 @@ def test_the_table_of_limits_states_its_error(limit_table):
     table = LimitTable.model_validate(json.loads(json.dumps(limit_table)))
     assert 0 < table.largest_relative_error < 1e-6
     outside = Factors.of(h0_m=[5e-6, 4e-6, 5e-6], hv_m=[4e-6, 1e-6, 1e-6], x_m=[0, 0, 5e-3])
-    assert np.isnan(table.with_limits(outside).column("limit_n")).all()
+    assert np.isnan(table.with_asymptotic_forces(outside).column("limit_n")).all()
 
 
 @pytest.mark.parametrize(
@@ -452,7 +452,7 @@ def test_the_table_of_limits_states_its_error(limit_table):
     ],
 )
 def test_a_force_has_the_digits_that_its_error_leaves(force_n, error_n, shown):
-    assert round_to_error(force_n, error_n) == shown
+    assert value_and_error_texts(force_n, error_n) == shown
 
 
 def test_errors_of_95_and_99_percent_are_rounded_alike(write_fit, capsys):

@@ -7,7 +7,7 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.study import film_of
+from squeezefilm.studies.study import film_values
 from squeezefilm.tables import write_json
 
 MODEL = get_model("two_factor")
@@ -52,7 +52,7 @@ def fit(tmp_path, paper):
         "points": 60,
         "global_error": 0.005,
         "sum_of_squares": 1e-5,
-        "film": film_of(paper, absent_terms=["inertia; thermal effects"]),
+        "film": film_values(paper, absent_terms=["inertia; thermal effects"]),
     }
     write_json(values, path)
     return path, values

@@ -15,9 +15,9 @@ from squeezefilm.models.fit_file import read_fit
 from squeezefilm_workflow.paper.figures import FIGURES as OF_THE_PAPER
 from squeezefilm_workflow.reporting.explorer import explorer_page
 from squeezefilm_workflow.reporting.figures import FIGURES as OF_ANY_STUDY
-from squeezefilm_workflow.reporting.figures import save, style
-from squeezefilm_workflow.reporting.figures.curve import curve
-from squeezefilm_workflow.reporting.pages import html_of_markdown, render
+from squeezefilm_workflow.reporting.figures import draw_and_save, style
+from squeezefilm_workflow.reporting.figures.curve import curve_figure
+from squeezefilm_workflow.reporting.pages import html_of_markdown, render_template
 from squeezefilm_workflow.reporting.results import Results
 from squeezefilm_workflow.reporting.summary import headline_values, summary_values
 
@@ -67,7 +67,7 @@ def test_figure_14_has_a_panel_of_each_fit_with_its_own_errors(study):
 def test_the_bars_of_a_curve_hold_the_numerical_error_and_that_of_the_scan():
     table = pd.DataFrame({"h0_m": 5e-6, "hv_m": [1e-6, 2e-6], "force_n": [0.2, 0.8]})
     known = {"force_error_n": 1e-6, "measurement_noise_n": 0.02, "quadrature_n": 0.01}
-    figure = curve(table.assign(**known, validity="ok"))
+    figure = curve_figure(table.assign(**known, validity="ok"))
     (bars,) = figure.axes[0].containers[0].lines[2]
     for (_, low), (_, high) in bars.get_segments():
         assert (high - low) / 2 == pytest.approx(sum(known.values()))
@@ -82,7 +82,7 @@ def test_the_same_results_give_the_same_files_and_others_do_not(study, tmp_path)
         lambda table: table.assign(force_n=table["force_n"] * (1 + 0.1 * (table.index == 7))),
     )
     for run, results in {"a": study.results, "b": study.results, "c": other}.items():
-        save(FIGURES["figures/fig08"], results, paths[run])
+        draw_and_save(FIGURES["figures/fig08"], results, paths[run])
     a, b, c = ([path.read_bytes() for path in paths[run]] for run in "abc")
     assert a == b
     assert not any(same == changed for same, changed in zip(a, c, strict=True))
@@ -103,11 +103,11 @@ def test_a_style_file_of_the_study_is_used_and_a_wrong_one_is_named(study, tmp_p
     (tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
     results, own = Results.of(study.root, tmp_path / "mine.yaml"), tmp_path / "my.mplstyle"
     own.write_text("font.family: serif\n", encoding="utf-8")
-    save(FIGURES["figures/fig07"], results, [tmp_path / "a.svg"])
+    draw_and_save(FIGURES["figures/fig07"], results, [tmp_path / "a.svg"])
     assert "DejaVu Serif" in (tmp_path / "a.svg").read_text(encoding="utf-8")
     own.write_text("font.famly: serif\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"my.mplstyle: not a style file .*: Bad key font.famly"):
-        save(FIGURES["figures/fig07"], results, [tmp_path / "a.svg"])
+        draw_and_save(FIGURES["figures/fig07"], results, [tmp_path / "a.svg"])
 
 
 def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path, refused):
@@ -119,7 +119,7 @@ def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path,
 
 def test_a_page_shows_tables_text_and_verdicts_and_needs_nothing_else():
     rows = "| a | b |\n| --- | --- |\n| 1 \\| 2 | <b>x</b> |\n| agrees exactly | failed |\n"
-    page = render("page.html", body=html_of_markdown(f"# A\n\n{rows}"), title="a <b>")
+    page = render_template("page.html", body=html_of_markdown(f"# A\n\n{rows}"), title="a <b>")
     assert "<h1>A</h1>" in page
     assert "<td>1 | 2</td>" in page
     assert "<td>&lt;b&gt;x&lt;/b&gt;</td>" in page
@@ -132,7 +132,7 @@ def test_a_page_shows_tables_text_and_verdicts_and_needs_nothing_else():
 def test_the_summary_says_what_how_accurate_and_where_it_differs(study):
     fits, pairs = ["screen", "two_factor_design"], ["two_factor_design_on_screen"]
     values = summary_values(study.results, plans=["screen", "error_map"], fits=fits, pairs=pairs)
-    summary = render("summary.md", **values, pictures=defaultdict(str))
+    summary = render_template("summary.md", **values, pictures=defaultdict(str))
     assert "43.27 kHz" in summary
     assert "The study has 48 simulations" in summary
     assert "| screen | 12 | 5 – 10 | 0.2 – 2 | 0 | 0 | 0.00183 – 0.784 |" in summary
@@ -162,7 +162,7 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
         "included_effects\n5e-6,1e-6,-1.2,0.5,,\n6e-6,1e-6,-2,11,inertia,\n"
     )
     results = Results.of(tmp_path, repository / "config/plate.yaml")
-    text = render("in_short.md", **headline_values(results), pictures=defaultdict(str))
+    text = render_template("in_short.md", **headline_values(results), pictures=defaultdict(str))
     assert "limit_1, global error 0.9 % on 32 points of the validation sample" in text
     assert "simulations). No model compared is within the study's ±15 %" in text
     assert "The recommended model bump gives the amplitude for" in text.partition("## In short")[0]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.provenance import SOURCES_OF_STAGE, WORKFLOW_DIR
+from squeezefilm.provenance import CODE_PATHS_OF_STAGE, WORKFLOW_DIR
 
 from .conftest import EVERYTHING, QUICK, copy_checkout, made_anew, snakemake
 
@@ -82,10 +82,12 @@ def scripts_of(stage: str) -> list[Path]:
 @pytest.mark.parametrize("stage", ["solver", "models"])
 def test_the_digest_of_a_stage_covers_all_that_its_scripts_import(stage):
     covered = {
-        file for source in SOURCES_OF_STAGE[stage] for file in (WORKFLOW_DIR / source).rglob("*.py")
+        file
+        for source in CODE_PATHS_OF_STAGE[stage]
+        for file in (WORKFLOW_DIR / source).rglob("*.py")
     }
     covered |= {
-        WORKFLOW_DIR / source for source in SOURCES_OF_STAGE[stage] if source.endswith(".py")
+        WORKFLOW_DIR / source for source in CODE_PATHS_OF_STAGE[stage] if source.endswith(".py")
     }
     waiting = scripts_of(stage)
     assert waiting

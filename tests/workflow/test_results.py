@@ -13,17 +13,17 @@ from squeezefilm.columns import unregistered_columns
 from squeezefilm.config.loading import load_config
 from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import PHYSICS_COLUMNS as COLUMNS_OF_PHYSICS
+from squeezefilm.models.data import PHYSICS_COLUMN_OF_NAME as COLUMNS_OF_PHYSICS
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import fit_from_values, read_fit
-from squeezefilm.studies.tasks.fits import with_interval
+from squeezefilm.studies.tasks.fits import with_prediction_interval
 from squeezefilm.tables import FACTOR_COLUMNS, read_forces
-from squeezefilm_workflow.paper.claims import CLAIM_COLUMNS, CLAIMS, judged_claims
+from squeezefilm_workflow.paper.claims import CLAIM_COLUMNS, CLAIMS, claims_with_verdicts
 from squeezefilm_workflow.paper.equations import (
     CONCLUSION_CONDITIONS,
-    FIT_OF_MODEL,
+    LABEL_OF_FIT,
+    conclusion_rows,
     equations_table,
-    rows_of_conditions,
 )
 from squeezefilm_workflow.reporting import models
 
@@ -33,11 +33,11 @@ MORE = 1.02
 
 @pytest.fixture(scope="module")
 def claims(study):
-    return judged_claims(study.results).set_index("claim_id")
+    return claims_with_verdicts(study.results).set_index("claim_id")
 
 
 def test_every_claim_of_the_paper_is_there_once_with_a_verdict(study, claims):
-    assert tuple(judged_claims(study.results).columns) == CLAIM_COLUMNS
+    assert tuple(claims_with_verdicts(study.results).columns) == CLAIM_COLUMNS
     assert claims.index.is_unique
     assert len(claims) == len(CLAIMS) >= 20
     assert claims["verdict"].str.match(r"agrees \S+|differs because \S+|undecided with \d").all()
@@ -79,14 +79,17 @@ def test_the_force_beyond_the_equation_stands_beside_the_paper_s(claims):
 )
 def test_a_wrong_force_and_days_are_seen(claim_id, file, change, word, study, tmp_path):
     results = study.changed(tmp_path, file, lambda table: table.assign(**change))
-    assert judged_claims(results).set_index("claim_id").loc[claim_id, "verdict"].split()[0] == word
+    assert (
+        claims_with_verdicts(results).set_index("claim_id").loc[claim_id, "verdict"].split()[0]
+        == word
+    )
 
 
 def test_a_broken_result_is_named(study, tmp_path):
     file = "simulations/extrapolation/forces.csv"
     results = study.changed(tmp_path, file, lambda table: table.assign(point_id=table.index))
     with pytest.raises(InputError, match=rf"{file}.*there is no point 'operating_point'"):
-        judged_claims(results)
+        claims_with_verdicts(results)
 
 
 def test_relative_errors_at_the_smallest_amplitude_are_of_both_fits(study, claims, monkeypatch):
@@ -99,7 +102,7 @@ def test_relative_errors_at_the_smallest_amplitude_are_of_both_fits(study, claim
     shown = claims.loc["band_small", "ours"]
     assert all(f"{each:.2g}" in shown for each in worst.values())
     monkeypatch.setattr("squeezefilm_workflow.paper.claims.CLAIMS", CLAIMS.assign(needed=""))
-    decided = judged_claims(study.results).set_index("claim_id")
+    decided = claims_with_verdicts(study.results).set_index("claim_id")
     assert decided.loc["band_small", "verdict"].startswith("agrees")
 
 
@@ -118,7 +121,7 @@ def equations(study, tmp_path_factory):
 def test_a_fit_to_one_equation_is_judged_by_the_forces_of_the_other(equations, study):
     table = equations.set_index(["part", "quantity"])
     assert table.index.is_unique
-    for name, part in FIT_OF_MODEL.items():
+    for name, part in LABEL_OF_FIT.items():
         for index, theta in enumerate(study.results.fit(name).theta):
             assert float(table.loc[(part, f"θ{index}"), "with_inertia"]) == theta
     judged = table.loc["the paper's equation judged by forces with inertia"]["with_inertia"]
@@ -133,12 +136,12 @@ def test_the_conclusion_falls_with_any_of_its_conditions(equations):
     sound = equations.copy()
     judged = sound["part"].isin([part for part, *_ in CONCLUSION_CONDITIONS])
     sound.loc[judged & sound["quantity"].str.contains("error"), "with_inertia"] = 0.0
-    assert rows_of_conditions(sound)["holds"].all()
+    assert conclusion_rows(sound)["holds"].all()
     for part, quantity, largest in CONCLUSION_CONDITIONS:
         worse = sound.copy()
         row = (worse["part"] == part) & (worse["quantity"] == quantity)
         worse.loc[row, "with_inertia"] = 1.01 * largest
-        assert not rows_of_conditions(worse)["holds"].all()
+        assert not conclusion_rows(worse)["holds"].all()
 
 
 def test_the_study_with_inertia_is_the_papers_but_for_that(repository):
@@ -146,7 +149,7 @@ def test_the_study_with_inertia_is_the_papers_but_for_that(repository):
         load_config(repository / "config" / f"{name}.yaml") for name in ("paper", "paper-inertia")
     )
     assert inertia.gas == replace(paper.gas, inertia="included")
-    inertia, paper = inertia.sections(), paper.sections()
+    inertia, paper = inertia.sections_as_dict(), paper.sections_as_dict()
     for section in (set(paper) | set(inertia)) - {"study", "gas"}:
         assert inertia[section] == paper[section], section
 
@@ -185,18 +188,18 @@ def test_models_are_ranked_on_half_of_the_validation_sample(study, tmp_path):
 
     file = "simulations/validation_two_factor/forces.csv"
     results = study.changed(tmp_path, file, without_a_force)
-    table, errors = models.compare(results, "two_factor")
+    table, errors = models.compare_candidates(results, "two_factor")
     assert set(table["validation_points"]) == {99}
     assert set(table["validation_failed"]) == {1}
     assert len(errors) == 99 * len(table)
-    whole, _ = models.compare(study.results, "two_factor")
+    whole, _ = models.compare_candidates(study.results, "two_factor")
     assert whole.set_index("model")["validation_error"].idxmin() == "limit_1"
     parameters = models.models_page(study.results, space="two_factor").values["parameters"]
     ends = parameters.iloc[-1][["lower end", "estimate", "upper end"]].tolist()
     assert ends == sorted(ends, key=float)
     (tmp_path / "models/two_factor/limit_1.json").unlink()
     with pytest.raises(InputError, match=r"limit_1\.json"):
-        models.compare(results, "two_factor")
+        models.compare_candidates(results, "two_factor")
 
 
 def test_a_fit_to_a_table_of_ones_own_is_not_validated(study, tmp_path):
@@ -241,10 +244,15 @@ def test_a_model_whose_table_of_physics_is_too_coarse_is_not_offered(study):
     sample = study.results.forces("validation_two_factor")
     limits = pd.read_csv(study.root / "simulations/validation_two_factor/limits.csv")
     sample = sample.assign(**limits[[*COLUMNS_OF_PHYSICS.values()]])
-    assert with_interval(fit, study.results.config, sample=sample).interval is not None
+    assert (
+        with_prediction_interval(fit, study.results.config, sample=sample).prediction_interval
+        is not None
+    )
     values = fit.to_dict()
     coefficients = values["limit_table"]["coefficients"]
     wrong = [value * (1 + 0.1 * (-1) ** k) for k, value in enumerate(coefficients["limit_n"])]
     values["limit_table"]["coefficients"] = coefficients | {"limit_n": wrong}
     with pytest.raises(InputError, match="table of asymptotic forces is too coarse"):
-        with_interval(fit_from_values(values, source="here"), study.results.config, sample=sample)
+        with_prediction_interval(
+            fit_from_values(values, source="here"), study.results.config, sample=sample
+        )

@@ -23,7 +23,7 @@ SCRIPT = """
 import os
 import subprocess
 from squeezefilm.errors import InputError
-from squeezefilm_workflow.job import print_result, run
+from squeezefilm_workflow.job import print_result, run_script
 
 
 def main(snakemake, config):
@@ -35,7 +35,7 @@ def main(snakemake, config):
         {end}
 
 
-run(main, snakemake)
+run_script(main, snakemake)
 """
 
 BUFFERED = {"PYTHONUNBUFFERED": ""}

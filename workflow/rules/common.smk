@@ -24,11 +24,11 @@ def refuse(message):
 
 
 try:
-    from squeezefilm.files import digest, remove_partial_files, write_text
+    from squeezefilm.files import file_digest, remove_partial_files, write_text
     from squeezefilm.errors import InputError
-    from squeezefilm.provenance import SOURCES_OF_STAGE, code_digest
+    from squeezefilm.provenance import CODE_PATHS_OF_STAGE, code_digest
     from squeezefilm.config.loading import load_config, write_effective_study, write_study_file
-    from squeezefilm.tables import check_parquet
+    from squeezefilm.tables import check_parquet_installed
     import squeezefilm_workflow
 except ImportError as error:
     refuse(
@@ -102,13 +102,13 @@ MEASURED = CONFIG.measurements and CONFIG.measurements.file
 
 # What decides a job's numbers beside its input files are parameters of its rule, so that Snakemake
 # makes anew what an edit reaches: a digest of its stage's code, and sections of the study.
-CODE = {stage: code_digest(stage) for stage in SOURCES_OF_STAGE}
+CODE = {stage: code_digest(stage) for stage in CODE_PATHS_OF_STAGE}
 
 
 @cache
 def code_of(stage, script):
     """A digest of the code that decides what is made, a stage's and a script's."""
-    return f"{CODE[stage]} {digest(Path(workflow.source_path(f'../scripts/{script}.py')))}"
+    return f"{CODE[stage]} {file_digest(Path(workflow.source_path(f'../scripts/{script}.py')))}"
 
 
 SHAPES = ["actuator", "pad"]
@@ -117,7 +117,7 @@ FILM = ["gas", *SHAPES]
 
 def sections(*names):
     """Sections of the study, all if none is named, and what is in their files: a rule's parameter."""
-    found = CONFIG.sections(*names)
+    found = CONFIG.sections_as_dict(*names)
     named = [
         CONFIG.path.parent / file
         for file, section in (
@@ -128,7 +128,7 @@ def sections(*names):
         )
         if file and section in found
     ]
-    found["files"] = [digest(file) for file in named if file.is_file()]
+    found["files"] = [file_digest(file) for file in named if file.is_file()]
     # The same text however a number is written: 43270, 43270.0 or 43.27 kHz.
     return json.dumps(json.loads(json.dumps(found), parse_int=float), sort_keys=True)
 
@@ -307,7 +307,7 @@ onstart:
     try:
         # Tables of a sweep are in Parquet; the package for it is no part of the environment.
         if "sweep" in map(str, workflow.dag_settings.targets):
-            check_parquet()
+            check_parquet_installed()
         remove_partial_files(Path("results") / STUDY)
         write_effective_study(CONFIG, Path("results") / STUDY)
     except InputError as error:

@@ -4,7 +4,7 @@ from plotly.offline import get_plotlyjs
 
 from squeezefilm.files import write_text
 from squeezefilm_workflow.finished import results_of_job
-from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.job import Job, Study, run_script
 from squeezefilm_workflow.reporting.explorer import explorer_page
 
 
@@ -22,4 +22,4 @@ def main(snakemake: Job, config: Study) -> None:
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

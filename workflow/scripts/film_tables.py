@@ -7,13 +7,17 @@ import pandas as pd
 
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import budget_table, scan_error_function
-from squeezefilm.dynamics.levitation import levitation_rows, levitation_table, loads_of_forces
-from squeezefilm.dynamics.response import gain_table, responses
+from squeezefilm.dynamics.levitation import (
+    levitation_rows,
+    levitation_table,
+    loads_and_amplitudes_of_table,
+)
+from squeezefilm.dynamics.response import gain_table, response_table
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAP_RANGE_M
 from squeezefilm.studies.solver_settings import SolverSettings
 from squeezefilm.tables import read_scenes, write_table
-from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.job import Job, Study, run_script
 
 MODULATION_FREQUENCIES_HZ = np.geomspace(3, 4000, 60).round(1)
 
@@ -21,7 +25,7 @@ MODULATION_FREQUENCIES_HZ = np.geomspace(3, 4000, 60).round(1)
 def levitation_table_of_forces(study: Film, forces_file: str) -> pd.DataFrame:
     """The gaps that carry loads like the plan's forces."""
     settings = study.solver()
-    loads_n, amplitudes_m = loads_of_forces(forces_file)
+    loads_n, amplitudes_m = loads_and_amplitudes_of_table(forces_file)
     moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAP_RANGE_M[1]}))
     how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
     scan_error_n = scan_error_function(study.scan, device=settings.device)
@@ -33,7 +37,7 @@ def cross_section_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFram
     """Gap and pressure along the middle of the pad over a period."""
     from squeezefilm_workflow.reporting.cross_section import cross_section
 
-    resolved = settings.with_terms_decided(scenes)
+    resolved = settings.with_auto_terms_decided(scenes)
     films = [cross_section(scene, device=settings.device) for scene in resolved]
     return pd.concat(films, ignore_index=True)
 
@@ -48,11 +52,13 @@ def main(snakemake: Job, config: Study) -> None:
         "film": lambda: cross_section_table(settings, scenes),
         "gains": lambda: gain_table(points, scenes, MODULATION_FREQUENCIES_HZ),
         "levitation": lambda: levitation_table_of_forces(study, snakemake.input.forces),
-        "response": lambda: responses(points, scenes, tolerance=settings.tolerance, device=device),
+        "response": lambda: response_table(
+            points, scenes, tolerance=settings.tolerance, device=device
+        ),
     }
     for path in snakemake.output:
         write_table(tables[Path(path).stem](), path)
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

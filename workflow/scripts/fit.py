@@ -4,16 +4,16 @@ from pathlib import Path
 from typing import Any
 
 from squeezefilm.errors import InputError
-from squeezefilm.files import digest
-from squeezefilm.models.data import PHYSICS_COLUMNS
+from squeezefilm.files import file_digest
+from squeezefilm.models.data import PHYSICS_COLUMN_OF_NAME
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import (
     asymptotic_forces_of_table,
     fit_to_forces,
-    profile_uncertainty,
+    profile_uncertainty_fraction,
 )
 from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json, write_table
-from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.job import Job, Study, run_script
 
 
 def main(snakemake: Job, config: Study) -> None:
@@ -28,10 +28,10 @@ def main(snakemake: Job, config: Study) -> None:
         for (name, points), path in zip([*given.items()], candidates, strict=True):
             limits = asymptotic_forces_of_table(points, config)
             write_table(limits, path)
-            given[name] = points.assign(**limits[[*PHYSICS_COLUMNS.values()]])
+            given[name] = points.assign(**limits[[*PHYSICS_COLUMN_OF_NAME.values()]])
         given |= {"limit_table": read_json(files.limit_table)}
-    uncertainty = profile_uncertainty(config, summary=files.scan)
-    source = {"forces_sha256": digest(Path(files.forces))}
+    uncertainty = profile_uncertainty_fraction(config, summary=files.scan)
+    source = {"forces_sha256": file_digest(Path(files.forces))}
     for name, path in zip(params.models, output.fits, strict=True):
         model = get_model(name, config.models, source=config.path)
         try:
@@ -57,4 +57,4 @@ def main(snakemake: Job, config: Study) -> None:
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

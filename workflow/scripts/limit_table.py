@@ -2,7 +2,7 @@
 
 from squeezefilm.studies.tasks.fits import limit_table_values
 from squeezefilm.tables import write_json
-from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.job import Job, Study, run_script
 
 
 def main(snakemake: Job, config: Study) -> None:
@@ -10,4 +10,4 @@ def main(snakemake: Job, config: Study) -> None:
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

@@ -1,7 +1,7 @@
 """Put the parts of a simulated plan together: every point of the plan has its force."""
 
 from squeezefilm.tables import merge_forces, merge_timings
-from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.job import Job, Study, run_script
 
 
 def main(snakemake: Job, config: Study) -> None:
@@ -15,4 +15,4 @@ def main(snakemake: Job, config: Study) -> None:
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

@@ -6,7 +6,7 @@ from squeezefilm.errors import prefix_errors
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 from squeezefilm.tables import read_json, read_ok_forces, read_scenes
-from squeezefilm_workflow.job import Job, Study, run, write
+from squeezefilm_workflow.job import Job, Study, run_script, write_outputs
 
 
 def main(snakemake: Job, config: Study) -> None:
@@ -20,8 +20,8 @@ def main(snakemake: Job, config: Study) -> None:
             plans={Path(path).parent.name: read_scenes(path) for path in files.plans},
             patterns=read_json(files.patterns),
         )
-    write(snakemake.output, **designs)
+    write_outputs(snakemake.output, **designs)
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

@@ -3,8 +3,8 @@
 from importlib import import_module
 
 from squeezefilm_workflow.finished import results_of_job
-from squeezefilm_workflow.job import Job, Study, run, write
-from squeezefilm_workflow.reporting.pages import render, write_page
+from squeezefilm_workflow.job import Job, Study, run_script, write_outputs
+from squeezefilm_workflow.reporting.pages import render_template, write_page
 
 # Each has a function PAGE_page; what one needs takes others long to import.
 MODULE_OF_PAGE = {
@@ -22,10 +22,10 @@ def main(snakemake: Job, config: Study) -> None:
     params, output = snakemake.params, snakemake.output
     build = getattr(import_module(MODULE_OF_PAGE[params.page]), f"{params.page}_page")
     page = build(results, **params.get("about", {}), **snakemake.wildcards)
-    write(output, **page.files)
-    text = render(f"{params.page}.md", **page.values)
+    write_outputs(output, **page.file_contents)
+    text = render_template(f"{params.page}.md", **page.values)
     write_page(text, output.page, folder=results.folder, beyond=results.validity_note)
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

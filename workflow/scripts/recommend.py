@@ -2,14 +2,14 @@
 
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.finished import results_of_job
-from squeezefilm_workflow.job import Job, Study, run
-from squeezefilm_workflow.reporting.models import recommend
+from squeezefilm_workflow.job import Job, Study, run_script
+from squeezefilm_workflow.reporting.models import recommendation_table
 
 
 def main(snakemake: Job, config: Study) -> None:
     results = results_of_job(snakemake, config)
-    write_table(recommend(results), snakemake.output[0])
+    write_table(recommendation_table(results), snakemake.output[0])
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

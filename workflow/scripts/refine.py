@@ -1,10 +1,10 @@
 """Simulate, fit, validate, design, simulate …, until a model meets its targets or cannot."""
 
 from squeezefilm.models.force_model import get_model
-from squeezefilm.studies.tasks.fits import profile_uncertainty
+from squeezefilm.studies.tasks.fits import profile_uncertainty_fraction
 from squeezefilm.studies.tasks.refined_model import refine
 from squeezefilm.tables import read_forces
-from squeezefilm_workflow.job import Job, Study, run, write
+from squeezefilm_workflow.job import Job, Study, run_script, write_outputs
 
 
 def main(snakemake: Job, config: Study) -> None:
@@ -14,10 +14,10 @@ def main(snakemake: Job, config: Study) -> None:
         config,
         space=snakemake.wildcards.space,
         sample=read_forces(files.sample),
-        uncertainty=profile_uncertainty(config, summary=files.scan),
+        uncertainty=profile_uncertainty_fraction(config, summary=files.scan),
     )
-    write(snakemake.output, **tables, fit=fit, verdict=verdict)
+    write_outputs(snakemake.output, **tables, fit=fit, verdict=verdict)
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

@@ -5,7 +5,7 @@ from squeezefilm.api.forces import simulate_table
 from squeezefilm.errors import RunError
 from squeezefilm.studies.plans import write_scenes
 from squeezefilm.tables import no_force_message
-from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.job import Job, Study, run_script
 
 
 def main(snakemake: Job, config: Study) -> None:
@@ -26,4 +26,4 @@ def main(snakemake: Job, config: Study) -> None:
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

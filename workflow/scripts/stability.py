@@ -1,18 +1,22 @@
 """Write a verdict for each stiff or extreme film: solved, not supported or failed."""
 
-from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.solver_settings import device_of_config
 from squeezefilm.tables import write_table
-from squeezefilm_workflow.job import Job, Study, run
-from squeezefilm_workflow.verification.films import SAMPLE_OF_CASES, cases
-from squeezefilm_workflow.verification.stability import raise_failed_films, stability
+from squeezefilm_workflow.job import Job, Study, run_script
+from squeezefilm_workflow.verification.films import CASE_SAMPLE_SLICE, cases_with_groups
+from squeezefilm_workflow.verification.stability import raise_if_film_failed, stability_table
 
 
 def main(snakemake: Job, config: Study) -> None:
-    chosen = cases() if config.numerics.extent == "full" else cases()[SAMPLE_OF_CASES]
-    table = stability(chosen, device=device_of(config))
+    chosen = (
+        cases_with_groups()
+        if config.numerics.extent == "full"
+        else cases_with_groups()[CASE_SAMPLE_SLICE]
+    )
+    table = stability_table(chosen, device=device_of_config(config))
     write_table(table, snakemake.output[0])
-    raise_failed_films(table)
+    raise_if_film_failed(table)
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

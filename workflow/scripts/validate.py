@@ -6,7 +6,7 @@ from squeezefilm.errors import prefix_errors
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.fits import errors_of_fit
 from squeezefilm.tables import read_ok_forces, write_json, write_table
-from squeezefilm_workflow.job import Job, Study, run
+from squeezefilm_workflow.job import Job, Study, run_script
 
 
 def main(snakemake: Job, config: Study) -> None:
@@ -20,4 +20,4 @@ def main(snakemake: Job, config: Study) -> None:
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

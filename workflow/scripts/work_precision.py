@@ -3,19 +3,19 @@
 import numpy as np
 
 from squeezefilm.models.fit_file import read_fit
-from squeezefilm.studies.solver_settings import device_of
+from squeezefilm.studies.solver_settings import device_of_config
 from squeezefilm.tables import write_table
-from squeezefilm_workflow.job import Job, Study, run
-from squeezefilm_workflow.verification.work_precision import FILMS, work_precision
+from squeezefilm_workflow.job import Job, Study, run_script
+from squeezefilm_workflow.verification.work_precision import TIMED_FILMS, work_precision_table
 
 SCENES_PER_BATCH = 100
 
 
 def main(snakemake: Job, config: Study) -> None:
-    settings, device = config.numerics, device_of(config)
+    settings, device = config.numerics, device_of_config(config)
     full = settings.extent == "full"
-    table = work_precision(
-        FILMS if full else (FILMS[1], FILMS[4]),
+    table = work_precision_table(
+        TIMED_FILMS if full else (TIMED_FILMS[1], TIMED_FILMS[4]),
         repeats=settings.repeats,
         batch=SCENES_PER_BATCH,
         longest_seconds=settings.longest_seconds,
@@ -30,4 +30,4 @@ def main(snakemake: Job, config: Study) -> None:
 
 
 if __name__ == "__main__":
-    run(main, globals()["snakemake"])
+    run_script(main, globals()["snakemake"])

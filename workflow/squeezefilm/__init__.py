@@ -18,8 +18,10 @@ from typing import Any
 __version__ = "0.2.0"
 
 # The names of the library, in the file that tells type checkers of them.
-_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
-_MODULE_OF_NAME = {name: place for place, name in re.findall(r"from (\S+) import (\w+)", _STUB)}
+_STUB_TEXT = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+_MODULE_OF_NAME = {
+    name: place for place, name in re.findall(r"from (\S+) import (\w+)", _STUB_TEXT)
+}
 __all__ = sorted(_MODULE_OF_NAME)
 
 

@@ -53,7 +53,7 @@ _COLUMNS_CSV_LINES = (
 )
 COLUMNS = {row[0]: Column(*row) for row in csv.reader(_COLUMNS_CSV_LINES[1:])}
 """Every column that the commands and the workflow write, by name."""
-NAME_PATTERNS = [name for name in COLUMNS if "*" in name]
+COLUMN_NAME_PATTERNS = [name for name in COLUMNS if "*" in name]
 TEXT_COLUMNS = {column.name for column in COLUMNS.values() if column.unit == "text"}
 FORCE_ERROR_COLUMNS = ("error_95_n", "error_99_n", "measurement_noise_n")
 """Columns of errors that are those of a force without its name."""
@@ -63,7 +63,9 @@ def unregistered_columns(names: Iterable[str]) -> list[str]:
     """Return the columns that COLUMNS does not list."""
     others = [name for name in names if name not in COLUMNS]
     return [
-        name for name in others if not any(fnmatchcase(name, pattern) for pattern in NAME_PATTERNS)
+        name
+        for name in others
+        if not any(fnmatchcase(name, pattern) for pattern in COLUMN_NAME_PATTERNS)
     ]
 
 

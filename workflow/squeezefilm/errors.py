@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-Result = TypeVar("Result")
+ResultT = TypeVar("ResultT")
 
 
 class InputError(Exception):
@@ -28,19 +28,19 @@ def raise_first_problem(source: object, problems: Mapping[str, object]) -> None:
             raise InputError(f"{source}: {problem}")
 
 
-MAX_ROWS_NAMED = 20
+MAX_ROWS_IN_MESSAGE = 20
 """Rows of a table that one message names, at most."""
 
 
-def reject_rows(problems: Sequence[str], *, count: int | None = None) -> None:
+def raise_row_problems(problems: Sequence[str], *, count: int | None = None) -> None:
     """Raise an InputError with a line for each problem, if there is one.
 
     Args:
         count: number of problems, where those given are only the first of them.
     """
-    more = (len(problems) if count is None else count) - MAX_ROWS_NAMED
+    more = (len(problems) if count is None else count) - MAX_ROWS_IN_MESSAGE
     if problems:
-        lines = [*problems[:MAX_ROWS_NAMED], *([f"and {more} more"] if more > 0 else [])]
+        lines = [*problems[:MAX_ROWS_IN_MESSAGE], *([f"and {more} more"] if more > 0 else [])]
         raise InputError("\n".join(lines))
 
 
@@ -74,8 +74,8 @@ def requires_extra(extra: str, *, what: str) -> Iterator[None]:
 
 
 def apply_with_bisection(
-    work: Callable[[Any], Sequence[Result]], items: Any, *, failed: Callable[[Exception], Result]
-) -> Sequence[Result]:
+    work: Callable[[Any], Sequence[ResultT]], items: Any, *, failed: Callable[[Exception], ResultT]
+) -> Sequence[ResultT]:
     """Apply ``work`` to all items; after an unexpected error to each half, and so on.
 
     Raises:
@@ -99,6 +99,6 @@ def apply_with_bisection(
     ]
 
 
-def unexpected_status(error: Exception) -> str:
+def unexpected_error_status(error: Exception) -> str:
     """The status of what ended in an error which no method foresees."""
     return " ".join(f"unexpected error: {type(error).__name__}: {error}".split())

@@ -17,8 +17,8 @@ from typing import TextIO
 
 from squeezefilm.errors import InputError
 
-PART_SUFFIX = ".part"
-SUBSTITUTE_HANDLER = "squeezefilm.substitute"
+PARTIAL_FILE_SUFFIX = ".part"
+SUBSTITUTE_HANDLER_NAME = "squeezefilm.substitute"
 """The name of ``substitute`` among the error handlers of streams."""
 ASCII_SUBSTITUTES = {
     "µ": "u",
@@ -43,7 +43,7 @@ def atomic_file(path: Path | str) -> Iterator[Path]:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         descriptor, name = tempfile.mkstemp(
-            dir=path.parent, prefix=f".{path.name}.", suffix=PART_SUFFIX
+            dir=path.parent, prefix=f".{path.name}.", suffix=PARTIAL_FILE_SUFFIX
         )
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
@@ -98,10 +98,10 @@ def substitute_unencodable(error: UnicodeError) -> tuple[str, int]:
     """Return ASCII in place of characters that a stream's encoding lacks, and their end."""
     assert isinstance(error, UnicodeEncodeError)
     characters = error.object[error.start : error.end]
-    return "".join(map(_in_ascii, characters)), error.end
+    return "".join(map(_ascii_substitute, characters)), error.end
 
 
-def _in_ascii(character: str) -> str:
+def _ascii_substitute(character: str) -> str:
     import unicodedata
 
     name = unicodedata.name(character, "")
@@ -112,17 +112,17 @@ def _in_ascii(character: str) -> str:
     return unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode() or "?"
 
 
-codecs.register_error(SUBSTITUTE_HANDLER, substitute_unencodable)
+codecs.register_error(SUBSTITUTE_HANDLER_NAME, substitute_unencodable)
 
 
-def enable_substitutes(*streams: TextIO) -> None:
+def enable_ascii_substitutes(*streams: TextIO) -> None:
     """Let streams print substitutes for characters that their encodings lack."""
     for stream in streams:
         if isinstance(stream, io.TextIOWrapper):  # a notebook's is none
-            stream.reconfigure(errors=SUBSTITUTE_HANDLER)
+            stream.reconfigure(errors=SUBSTITUTE_HANDLER_NAME)
 
 
-def digest(path: Path) -> str:
+def file_digest(path: Path) -> str:
     """The SHA-256 of a file."""
     with path.open("rb") as handle:
         return hashlib.file_digest(handle, "sha256").hexdigest()
@@ -130,5 +130,5 @@ def digest(path: Path) -> str:
 
 def remove_partial_files(folder: Path) -> None:
     """Remove what killed jobs left; only right while no job writes in the folder."""
-    for part in folder.rglob(f".*{PART_SUFFIX}"):
+    for part in folder.rglob(f".*{PARTIAL_FILE_SUFFIX}"):
         part.unlink(missing_ok=True)

@@ -10,14 +10,19 @@ from math import floor, isfinite, log10, nan
 from typing import Any
 
 from squeezefilm.columns import COLUMNS, error_columns
-from squeezefilm.film.positions import CARTESIAN
+from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import OK
 from squeezefilm.reynolds.terms import absent_terms, terms_of
 from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.units import round_to_error, round_up_error, split_unit, unit_of_column
+from squeezefilm.units import (
+    quantity_and_unit_of_column,
+    round_up_error,
+    split_unit,
+    value_and_error_texts,
+)
 
 LABEL_OF_QUANTITY = {
     split_unit(column.name)[0]: column.label for column in COLUMNS.values() if column.label
@@ -25,7 +30,7 @@ LABEL_OF_QUANTITY = {
 """Of columns without their unit, where the name itself is none."""
 DIMENSIONLESS_COLUMNS = ("epsilon", "sigma", "bearing_number", "knudsen", "modified_reynolds")
 SHOWN_FACTOR_COLUMNS = ("h0_m", "hv_m", "x_m", "y_m", "phi_r_m", "phi_deg")
-RESULT_COLUMNS = ("force_n", "h0_m", "hv_m")
+MAIN_RESULT_COLUMNS = ("force_n", "h0_m", "hv_m")
 LAST_COLUMNS = ("device", "model", "validation", "absent_term_reasons", "notes", "note")
 FRACTION_COLUMNS = (
     "error",
@@ -38,13 +43,13 @@ HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps"
     *("bearing_percent", "bearing_error_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
-NOT_AVAILABLE, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
+NOT_AVAILABLE_TEXT, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
 EFFECT_NAMES_SHOWN = (
     *("inertia", "thermal", "depth_averaged", "sheared_gas", "moving_profile", "ram_pressure"),
     *("slip", "flow_factor", "edge_loss"),
 )
 # Effects whose error is no numerical one.
-EFFECTS_WITH_ESTIMATE_ERROR = (
+EFFECTS_WITH_ESTIMATED_ERROR = (
     "depth_averaged",
     "sheared_gas",
     "moving_profile",
@@ -52,17 +57,17 @@ EFFECTS_WITH_ESTIMATE_ERROR = (
     "flow_factor",
 )
 SYMMETRY_OF_DOMAIN = {"whole": "none", "quarter": "x and y", "radius": "all around"}
-MIN_VALUE_IN_MILLI, MIN_VALUE_WITHOUT_EXPONENT, MIN_EFFECT_SHOWN_PERCENT = 1e-4, 1e-4, 0.05
+MIN_VALUE_SHOWN_IN_MILLI, MIN_VALUE_WITHOUT_EXPONENT, MIN_EFFECT_SHOWN_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]
 LabelledLines = list[tuple[str, str]]
 
 
-def label_of(name: str) -> str:
+def column_label(name: str) -> str:
     """Return the label of a column without its unit."""
     effect, _, what = name.partition("_")
     if effect in ("slip", "inertia", "thermal") and what:
-        return f"change of {label_of(what)} by {label_of(effect)}"
+        return f"change of {column_label(what)} by {column_label(effect)}"
     spaced = name.replace("dforce_d", "dF/d ").replace("_", " ") if name.islower() else name
     return LABEL_OF_QUANTITY.get(name, spaced)
 
@@ -76,7 +81,7 @@ def scene_row(scene: Scene) -> dict[str, Any]:
     thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
     assumed = [thermal if each is Thermal.ABSENT_TERM else each.assumption for each in absent]
     equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
-    position = {name: round(getattr(scene, name), 12) for name in CARTESIAN}
+    position = {name: round(getattr(scene, name), 12) for name in CARTESIAN_COLUMNS}
     numbers = {name: getattr(scene, name) for name in ("h0_m", "hv_m", *DIMENSIONLESS_COLUMNS)}
     return numbers | position | {"pad_shape": scene.pad.shape, "equation": equation}
 
@@ -92,7 +97,7 @@ def number_text(
     return f"{value:{sign}.{max(decimals, 0)}f}"
 
 
-def percent(*values: float, sign: str = "+", digits: int = 2) -> str:
+def percent_text(*values: float, sign: str = "+", digits: int = 2) -> str:
     """Return per cent, or the ends of a range of them, as people write them."""
     return (
         " to ".join(number_text(number, sign=sign, digits=digits, least=1e-9) for number in values)
@@ -103,37 +108,37 @@ def percent(*values: float, sign: str = "+", digits: int = 2) -> str:
 def value_text(value: Any, unit: str = "", *, error: float | None = None, digits: int = 3) -> str:
     """Return a value with its unit and error, by the digits that this leaves."""
     if not isinstance(value, float) or value != value:
-        return {"True": "yes", "False": "no", "nan": NOT_AVAILABLE}.get(str(value), str(value))
+        return {"True": "yes", "False": "no", "nan": NOT_AVAILABLE_TEXT}.get(str(value), str(value))
     if unit == "%" and error is None:
-        return percent(value, sign="")
+        return percent_text(value, sign="")
     if unit == "%" and error is not None and error >= abs(value):
-        return f"within ± {percent(round_up_error(abs(value) + error), sign='')}"
+        return f"within ± {percent_text(round_up_error(abs(value) + error), sign='')}"
     size = 1.0
     if unit in ("m", "s") and 0 < abs(value) < 1:
-        prefix, size = ("m", 1e3) if abs(value) >= MIN_VALUE_IN_MILLI else ("µ", 1e6)
+        prefix, size = ("m", 1e3) if abs(value) >= MIN_VALUE_SHOWN_IN_MILLI else ("µ", 1e6)
         unit = prefix + unit
     if unit == "N/m" and abs(value) >= 1000:
         unit, size = "kN/m", 1e-3
     text = f"{size * value:.{max(digits, len(f'{abs(size * value):.0f}'))}g}"
     if error is not None:
-        text = " ± ".join(round_to_error(size * value, size * error))
+        text = " ± ".join(value_and_error_texts(size * value, size * error))
     return f"{text} {unit}".strip()
 
 
-def error_in_unit(error: float, *, value: float, unit: str) -> str:
+def error_text_in_unit(error: float, *, value: float, unit: str) -> str:
     """Return the error of a value in the unit that the value is shown in."""
     return value_text(value, unit, error=error).partition("± ")[2]
 
 
-def result_lines(row: Mapping[Any, Any]) -> str:
+def result_lines_text(row: Mapping[Any, Any]) -> str:
     """Return a row as lines: the result, its errors, other values, scene and solver, notes."""
     rest = {name: value for name, value in row.items() if name not in HIDDEN_COLUMNS}
     effects, result = _take_effect_lines(rest), _take_result_lines(rest)
     last = [*_take_scene_lines(rest), *_take_solver_lines(rest)]
-    last += [(label_of(name), rest.pop(name, "")) for name in LAST_COLUMNS]
+    last += [(column_label(name), rest.pop(name, "")) for name in LAST_COLUMNS]
     errors = {error for name in rest for error in error_columns(name, rest)}
     others = [
-        (label_of(unit_of_column(name)[0]), _row_value_text(name, value, rest))
+        (column_label(quantity_and_unit_of_column(name)[0]), _row_value_text(name, value, rest))
         for name, value in rest.items()
         if name not in errors and value != "ok"
     ]
@@ -153,38 +158,42 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     if isinstance(value, list):
         return [_row_value_text(name, each, row) for each in value]
     if isinstance(value, Mapping):
-        stems = {k: unit_of_column(k)[0] for k in value}
+        stems = {k: quantity_and_unit_of_column(k)[0] for k in value}
         return ", ".join(
-            f"{label_of(stems[k])} {_row_value_text(k, value[k], value)}" for k in stems
+            f"{column_label(stems[k])} {_row_value_text(k, value[k], value)}" for k in stems
         )
-    stem, unit = unit_of_column(name)
+    stem, unit = quantity_and_unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
     errors = [row[each] for each in error_columns(name, row)]
     text = value_text(value, unit, error=max(errors, default=None))
     if len(errors) < 2 or "±" not in text:
         return text
-    shown = [error_in_unit(each, value=value, unit=unit) for each in errors]
+    shown = [error_text_in_unit(each, value=value, unit=unit) for each in errors]
     return f"{text.partition('±')[0]}± {', measurement noise ± '.join(shown)}"
 
 
 def _take_result_lines(row: Row) -> LabelledLines:
     """Take the result and its errors out of a row, as lines; or the reason for its absence."""
-    name = next((each for each in RESULT_COLUMNS if error_columns(each, row)), "")
-    value, status, (stem, unit) = row.pop(name, nan), row.pop("status", "ok"), unit_of_column(name)
+    name = next((each for each in MAIN_RESULT_COLUMNS if error_columns(each, row)), "")
+    value, status, (stem, unit) = (
+        row.pop(name, nan),
+        row.pop("status", "ok"),
+        quantity_and_unit_of_column(name),
+    )
     errors = {each: row.pop(each) for each in error_columns(name, row)}
     column, why = next(iter(errors), ""), f": {status}" * (status != "ok")
     error = errors.get(column, nan)
     if not isfinite(value):
         row.pop("tolerance" if name else "", None)
-        return [(label_of(stem or "force"), NOT_AVAILABLE + why)] if name or why else []
+        return [(column_label(stem or "force"), NOT_AVAILABLE_TEXT + why)] if name or why else []
 
-    def error_line(error: float, source: str) -> str:
+    def error_and_percent_text(error: float, source: str) -> str:
         if not isfinite(error):
-            return NOT_AVAILABLE
+            return NOT_AVAILABLE_TEXT
         part = round_up_error(100 * abs(error / value)) if value else 0.0
-        percentage = f", {percent(part, sign='')}" if value else ""
-        return f"± {error_in_unit(error, value=value, unit=unit)}{percentage}{source}"
+        percentage = f", {percent_text(part, sign='')}" if value else ""
+        return f"± {error_text_in_unit(error, value=value, unit=unit)}{percentage}{source}"
 
     wider, bias = errors.get("error_99_n", 0.0), row.pop("quadrature_n", 0.0)
     noise = next((errors[each] for each in errors if "noise" in each), 0.0)
@@ -193,18 +202,25 @@ def _take_result_lines(row: Row) -> LabelledLines:
     tolerance = f" (relative tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
     number, _, rest = value_text(value, unit, error=max(error, noise, misfit)).partition("±")
     return [
-        (label_of(stem), f"{number}{rest.split()[-1]}"),
+        (column_label(stem), f"{number}{rest.split()[-1]}"),
         (
             "prediction error (95 %)" if "95" in column else "numerical error",
-            error_line(error, tolerance),
+            error_and_percent_text(error, tolerance),
         ),
-        ("prediction error (99 %)", error_line(wider, "") * bool(wider)),
-        ("measurement noise", error_line(noise, " (95 %, from the scan)") * bool(noise)),
+        ("prediction error (99 %)", error_and_percent_text(wider, "") * bool(wider)),
+        (
+            "measurement noise",
+            error_and_percent_text(noise, " (95 %, from the scan)") * bool(noise),
+        ),
         (
             "misfit",
-            error_line(misfit, " (modes that the scan does not determine)") * (misfit > error),
+            error_and_percent_text(misfit, " (modes that the scan does not determine)")
+            * (misfit > error),
         ),
-        ("quadrature motion", error_line(bias, " (in the scan, neglected)") * (bias > error)),
+        (
+            "quadrature motion",
+            error_and_percent_text(bias, " (in the scan, neglected)") * (bias > error),
+        ),
         ("note", why.removeprefix(": ")),
     ]
 
@@ -212,10 +228,14 @@ def _take_result_lines(row: Row) -> LabelledLines:
 def _take_scene_lines(row: Row) -> LabelledLines:
     """Take validity, operating point, dimensionless numbers and equation from a row."""
     validity = row.pop("validity", "")
-    point = {unit_of_column(name): row.pop(name) for name in SHOWN_FACTOR_COLUMNS if name in row}
+    point = {
+        quantity_and_unit_of_column(name): row.pop(name)
+        for name in SHOWN_FACTOR_COLUMNS
+        if name in row
+    }
     numbers = {name: row.pop(name, 0) for name in DIMENSIONLESS_COLUMNS}
     texts = [f"{name} = {value_text(each, unit, digits=6)}" for (name, unit), each in point.items()]
-    named = [f"{label_of(name)} {value_text(each)}" for name, each in numbers.items() if each]
+    named = [f"{column_label(name)} {value_text(each)}" for name, each in numbers.items() if each]
     return [
         ("validity", "within limits" if validity == OK else validity),
         ("operating point", ", ".join(texts)),
@@ -232,10 +252,10 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     if "stiffness_n_per_m" in row:
         size, unit = 1e4 * row["load_n"] / abs(row["stiffness_n_per_m"]), "µm"
 
-    def change_text(*percents: float, sign: str = "+") -> str:
+    def effect_change_text(*percents: float, sign: str = "+") -> str:
         scale = size if sign else abs(size)
         ends = " to ".join(number_text(scale * bound, sign=sign) for bound in percents)
-        return f"{ends} {unit}, " * isfinite(size) + percent(*percents, sign=sign)
+        return f"{ends} {unit}, " * isfinite(size) + percent_text(*percents, sign=sign)
 
     included, unknown = (row.pop(k).split("; ") for k in ("included_effects", "unknown_effects"))
     ends = [row.pop(f"modelling_error_{end}_percent") for end in ("lower", "upper")]
@@ -246,22 +266,26 @@ def _take_effect_lines(row: Row) -> LabelledLines:
         name: (row.pop(f"{name}_percent"), row.pop(name + EFFECT_ERROR_SUFFIX)) for name in names
     }
     neglected = {name: effects[name] for name in names if name not in included}
-    total = f"{change_text(*ends)} of the {'force' if unit == 'N' else 'load'}"
+    total = f"{effect_change_text(*ends)} of the {'force' if unit == 'N' else 'load'}"
     if not isfinite(ends[0]):
-        total = NOT_AVAILABLE + f": {status}" * (status != "ok")
-        if reason := " and ".join(label_of(name) for name in unknown if name):
+        total = NOT_AVAILABLE_TEXT + f": {status}" * (status != "ok")
+        if reason := " and ".join(column_label(name) for name in unknown if name):
             total += f": {reason} not known"
     lines = [("modelling error", total)]
     if status != "ok":
         return lines
     for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
-        text = change_text(effect, *[edge] * (name == "edge_loss"))
-        if name in EFFECTS_WITH_ESTIMATE_ERROR:
-            text += f" ± {percent(error, sign='', digits=1)}"
+        text = effect_change_text(effect, *[edge] * (name == "edge_loss"))
+        if name in EFFECTS_WITH_ESTIMATED_ERROR:
+            text += f" ± {percent_text(error, sign='', digits=1)}"
         if not abs(effect) + error < MIN_EFFECT_SHOWN_PERCENT:
-            lines.append((f"  {label_of(name)}", text if isfinite(effect) else NOT_AVAILABLE))
+            lines.append(
+                (f"  {column_label(name)}", text if isfinite(effect) else NOT_AVAILABLE_TEXT)
+            )
     together = (
-        change_text(higher) if isfinite(higher) and abs(higher) >= MIN_EFFECT_SHOWN_PERCENT else ""
+        effect_change_text(higher)
+        if isfinite(higher) and abs(higher) >= MIN_EFFECT_SHOWN_PERCENT
+        else ""
     )
     return [*lines, ("  higher orders", together)]
 

@@ -1,10 +1,10 @@
 """Formulas that a user types: read safely, evaluated with NumPy, the units in them inferred.
 
 A formula is arithmetic on named quantities and nothing else: + - * / **, numbers, ``pi``, and the
-functions of FUNCTIONS. Python's own parser reads the text; every node of its tree is then either
-one of these or an error that names its place, so that no text can run anything. Length, depth and
-exponents are bounded, and constant parts are computed in floating point, so that none can take long
-either.
+functions of FORMULA_FUNCTIONS. Python's own parser reads the text; every node of its tree is then
+either one of these or an error that names its place, so that no text can run anything. Length,
+depth and exponents are bounded, and constant parts are computed in floating point, so that none can
+take long either.
 
 Values may be complex: a formula at θ + ih, h far below round-off, has its derivative with respect
 to θ in the imaginary part, without a difference (W. Squire and G. Trapp, Using complex variables to
@@ -37,16 +37,16 @@ from squeezefilm.errors import InputError
 from squeezefilm.units import (
     BASE_UNITS,
     DIMENSIONLESS,
-    NUMBER,
+    NUMBER_PATTERN,
     UNITS,
     Dimension,
     dimension_product,
-    parse_compound,
+    parse_compound_unit,
 )
 
 Array = NDArray[Any]
 ValueFunction = Callable[[Mapping[str, Any]], Any]
-Result = TypeVar("Result")
+ResultT = TypeVar("ResultT")
 
 MAX_FORMULA_CHARACTERS, MAX_NESTING_DEPTH = 4000, 150
 MAX_EXPONENT = 32.0
@@ -72,7 +72,7 @@ class NumberWithUnit(float):
     dimension: Dimension
 
 
-def constants_of(
+def parse_constants(
     values: Mapping[str, str | float],
     *,
     names: Iterable[str],
@@ -89,15 +89,15 @@ def constants_of(
         InputError: naming the source of a text that is no number with a unit, and of a name that
             is another's already.
     """
-    constants, taken = {}, (*names, *NAMED_CONSTANTS, *FUNCTIONS)
+    constants, taken = {}, (*names, *NAMED_CONSTANTS, *FORMULA_FUNCTIONS)
     for name, value in values.items():
-        where, match = f"{source}.constants.{name}", NUMBER.match(str(value))
+        where, match = f"{source}.constants.{name}", NUMBER_PATTERN.match(str(value))
         if name in taken or not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII):
             raise InputError(
                 f"{where}: cannot be a constant's name; take letters, digits and _, and none of "
                 f"{', '.join(taken)}"
             )
-        unit = match and parse_compound(str(value)[match.end() :] or "1")
+        unit = match and parse_compound_unit(str(value)[match.end() :] or "1")
         if not (match and unit):
             raise InputError(f"{where}: {value!r} is no number with a unit, like 12 mm or 380 1/m")
         size = unit.size * math.radians(1) ** float(unit.dimension.get("deg", 0) * angles_rad)
@@ -112,16 +112,16 @@ Node = float | str | Operation
 
 def fold_formula(
     part: Node,
-    leaf: Callable[[Any], Result],
-    operation: Callable[[Operation, list[Result]], Result],
-) -> Result:
+    leaf: Callable[[Any], ResultT],
+    operation: Callable[[Operation, list[ResultT]], ResultT],
+) -> ResultT:
     """Evaluate a formula from the values of its numbers and names and from its operations."""
     if not isinstance(part, Operation):
         return leaf(part)
     return operation(part, [fold_formula(argument, leaf, operation) for argument in part.arguments])
 
 
-def _zero_and_varying(z: Any) -> Any:
+def _zero_and_varying_mask(z: Any) -> Any:
     """Mask of values that are zero and change with the quantity that has the complex step."""
     return (np.imag(z) != 0) & (np.abs(np.real(z)) <= np.abs(np.imag(z)))
 
@@ -135,7 +135,7 @@ def _square_root(z: Any) -> Any:
 def _absolute(z: Any) -> Any:
     if not np.iscomplexobj(z):
         return np.abs(z)
-    return np.where(_zero_and_varying(z), UNDEFINED_VALUE, np.sign(z.real) * z)
+    return np.where(_zero_and_varying_mask(z), UNDEFINED_VALUE, np.sign(z.real) * z)
 
 
 def _sinc(z: Any) -> Any:
@@ -153,12 +153,12 @@ def _power(base: Any, exponent: Any) -> Any:
     if not (np.iscomplexobj(base) or np.iscomplexobj(exponent)):
         return np.power(base, exponent)
     zero = (base == 0) & (np.real(exponent) > 0)  # 0**v is 0 for every such v
-    vertical = _zero_and_varying(base) & (np.real(exponent) < 1) & (exponent != 0)
+    vertical = _zero_and_varying_mask(base) & (np.real(exponent) < 1) & (exponent != 0)
     undefined = vertical | ((np.real(base) < 0) & (np.imag(exponent) != 0))
     return np.where(zero, 0, np.where(undefined, UNDEFINED_VALUE, np.power(base + 0j, exponent)))
 
 
-FUNCTIONS: dict[str, Callable[..., Any]] = {
+FORMULA_FUNCTIONS: dict[str, Callable[..., Any]] = {
     "sqrt": _square_root,
     "exp": np.exp,
     "log": np.log,
@@ -172,7 +172,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
     "abs": _absolute,
     "sinc": _sinc,  # as MATLAB and the paper have it
 }
-_FUNCTION_OF_OPERATOR: dict[str, Callable[..., Any]] = FUNCTIONS | {
+_FUNCTION_OF_OPERATOR: dict[str, Callable[..., Any]] = FORMULA_FUNCTIONS | {
     "+": np.add,
     "-": np.subtract,
     "*": np.multiply,
@@ -201,23 +201,23 @@ class Expression:
         Where it is undefined or overflows the result is NaN or infinite, without a warning.
         """
         with np.errstate(all="ignore"):
-            value = self._value({name: np.asarray(values[name]) for name in self.names})
+            value = self._value_function({name: np.asarray(values[name]) for name in self.names})
         return np.asarray(value) + 0.0  # whole numbers as floating-point ones
 
     @cached_property
-    def _value(self) -> ValueFunction:
-        return self.with_known_values({})
+    def _value_function(self) -> ValueFunction:
+        return self.partial_value_function({})
 
-    def with_known_values(self, known: Mapping[str, Any]) -> ValueFunction:
+    def partial_value_function(self, known: Mapping[str, Any]) -> ValueFunction:
         """The formula as nested functions of the values that are not known yet.
 
         A fit evaluates them many thousand times: what known values alone decide is computed once.
         """
 
-        def leaf(part: Any) -> Any:
+        def leaf_function(part: Any) -> Any:
             return known.get(part, part if isinstance(part, float) else itemgetter(part))
 
-        def evaluate_operation(part: Operation, arguments: list[Any]) -> Any:
+        def operation_function(part: Operation, arguments: list[Any]) -> Any:
             operator = _FUNCTION_OF_OPERATOR[part.operator]
             if not any(map(callable, arguments)):
                 return operator(*arguments)
@@ -228,7 +228,7 @@ class Expression:
             return lambda values: operator(first(values), last(values))
 
         with np.errstate(all="ignore"):
-            value = fold_formula(self.root, leaf, evaluate_operation)
+            value = fold_formula(self.root, leaf_function, operation_function)
         return value if callable(value) else lambda values: value
 
 
@@ -270,13 +270,13 @@ def parse_formula(
         raise InputError(f"{source}: {_quoted_part(text)}: the formula cannot be read") from None
     names, used = tuple(names), dict[str, None]()
 
-    def text_of(node: ast.expr) -> str:
+    def node_text(node: ast.expr) -> str:
         return ast.get_source_segment(text, node) or text
 
     def formula_error(node: ast.expr, what: str) -> InputError:
         before = text.encode()[: node.col_offset]  # Python counts bytes
         column = len(before.decode()) + 1
-        return InputError(f"{source}: column {column}, {_quoted_part(text_of(node))}: {what}")
+        return InputError(f"{source}: column {column}, {_quoted_part(node_text(node))}: {what}")
 
     def parse_node(node: ast.expr, depth: int = 1) -> Node:
         """A formula's part of Python's tree; anything else is an error."""
@@ -296,7 +296,7 @@ def parse_formula(
                 return constants[name]
             case ast.Name(name) if name in NAMED_CONSTANTS:
                 return NAMED_CONSTANTS[name]
-            case ast.Name(name) if name in FUNCTIONS:
+            case ast.Name(name) if name in FORMULA_FUNCTIONS:
                 raise formula_error(node, f"a function needs its argument: {name}(…)")
             case ast.Name(name):
                 listed = ", ".join([known or ", ".join((*names, *NAMED_CONSTANTS)), *constants])
@@ -311,15 +311,17 @@ def parse_formula(
                 operator, operands = "negative", [operand]
             case ast.BinOp(left, op, right) if type(op) in _OPERATOR_OF_AST_NODE:
                 operator, operands = _OPERATOR_OF_AST_NODE[type(op)], [left, right]
-            case ast.Call(ast.Name(operator), operands, keywords) if operator in FUNCTIONS:
+            case ast.Call(ast.Name(operator), operands, keywords) if operator in FORMULA_FUNCTIONS:
                 if keywords or len(operands) != 1:
                     raise formula_error(node, f"{operator} takes one argument")
             case ast.Call(function):
-                allowed = ", ".join(FUNCTIONS)
+                allowed = ", ".join(FORMULA_FUNCTIONS)
                 raise formula_error(function, f"this is no known function; known are {allowed}")
             case _:
                 hint = _HINT_OF_AST_NODE.get(type(getattr(node, "op", None)), "")
-                allowed = hint or f"allowed are + - * / **, numbers and {', '.join(FUNCTIONS)}"
+                allowed = (
+                    hint or f"allowed are + - * / **, numbers and {', '.join(FORMULA_FUNCTIONS)}"
+                )
                 raise formula_error(node, f"this is no arithmetic; {allowed}")
         arguments = [parse_node(operand, depth + 1) for operand in operands]
         numbers = [np.float64(each) for each in arguments if type(each) is float]
@@ -333,7 +335,7 @@ def parse_formula(
         if operator == "**" and isinstance(exponent, float) and abs(exponent) > MAX_EXPONENT:
             what = f"the exponent must lie within ±{MAX_EXPONENT:g}, not {exponent:g}"
             raise formula_error(node, what)
-        return Operation(operator, tuple(arguments), text=text_of(node))
+        return Operation(operator, tuple(arguments), text=node_text(node))
 
     return Expression(text, parse_node(tree.body), tuple(used))
 
@@ -354,11 +356,12 @@ def parameter_units(
     """
     force, solved = UNITS["N"].dimension, dict[str, Dimension]()
     dimensions = {
-        name: _coherent_dimension(unit, source=f"{source}, {name}") for name, unit in units.items()
+        name: _dimension_of_coherent_unit(unit, source=f"{source}, {name}")
+        for name, unit in units.items()
     }
     dimensions = {name: {name: Fraction(1)} for name in parameters} | dimensions
 
-    def insert_parameters(dimension: Dimension) -> Dimension:
+    def substitute_solved_parameters(dimension: Dimension) -> Dimension:
         """Insert the parameters that are solved for."""
         while name := next((factor for factor in dimension if factor in solved), None):
             power = dimension[name]
@@ -368,20 +371,20 @@ def parameter_units(
         return dimension
 
     def equate_dimensions(a: Dimension, b: Dimension, otherwise: str) -> None:
-        rest = dict(insert_parameters(dimension_product(a, b, -1)))
+        rest = dict(substitute_solved_parameters(dimension_product(a, b, -1)))
         name = next((parameter for parameter in rest if parameter in parameters), None)
         if name:
             solved[name] = dimension_product(DIMENSIONLESS, rest, -1 / rest.pop(name))
         elif rest:
             raise InputError(f"{source}: {otherwise}")
 
-    def dimension_of(part: Operation, inner: list[Dimension]) -> Dimension:
+    def operation_dimension(part: Operation, inner: list[Dimension]) -> Dimension:
         first, second = (*inner, DIMENSIONLESS)[:2]
         match part.operator:
             case "+" | "-":
                 a, b = (
                     f"in {_dimension_text(d)}" if d else "without unit"
-                    for d in map(insert_parameters, inner)
+                    for d in map(substitute_solved_parameters, inner)
                 )
                 verb = "adds" if part.operator == "+" else "subtracts"
                 equate_dimensions(first, second, f"{part.text!r} {verb} quantities {a} and {b}")
@@ -397,7 +400,7 @@ def parameter_units(
                     DIMENSIONLESS, first, Fraction(exponent).limit_denominator(1000)
                 )
         for each in inner:
-            unit = _dimension_text(insert_parameters(each))
+            unit = _dimension_text(substitute_solved_parameters(each))
             hint = "; the angle in radians is called `angle`" if unit == "deg" else ""
             if unit in EXAMPLE_OF_UNIT:
                 hint += (
@@ -408,14 +411,16 @@ def parameter_units(
             )
         return DIMENSIONLESS
 
-    def leaf(part: Any) -> Dimension:
+    def leaf_dimension(part: Any) -> Dimension:
         return (
             part.dimension
             if isinstance(part, NumberWithUnit)
             else dimensions.get(part, DIMENSIONLESS)
         )
 
-    result = insert_parameters(fold_formula(expression.root, leaf, dimension_of))
+    result = substitute_solved_parameters(
+        fold_formula(expression.root, leaf_dimension, operation_dimension)
+    )
     if set(result) & set(parameters):
         equate_dimensions(result, force, "the result must be a force in N")
     elif result not in (force, DIMENSIONLESS):
@@ -424,16 +429,16 @@ def parameter_units(
             f"is wanted"
         )
     # What stays open is a parameter that cannot be told from another: any unit would do.
-    found = {name: insert_parameters(dimensions[name]) for name in parameters}
+    found = {name: substitute_solved_parameters(dimensions[name]) for name in parameters}
     return {
         name: _dimension_text({base: each[base] for base in each if base in BASE_UNITS})
         for name, each in found.items()
     }
 
 
-def _coherent_dimension(text: str, *, source: str) -> Dimension:
+def _dimension_of_coherent_unit(text: str, *, source: str) -> Dimension:
     """The dimension of a unit in which formulas are evaluated: SI, or degrees."""
-    unit = parse_compound(text)
+    unit = parse_compound_unit(text)
     if unit is None or unit.size != 1:
         raise InputError(
             f"{source}, unit: {text!r} is no unit of N, m, s, deg, Pa, Hz and kg; write it like "

@@ -23,7 +23,7 @@ UNIT_OF_NAME = {
 """Other names of units, without accents."""
 PER_SECOND_PATTERN = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
-ORIGIN_MICRO = r"\g(m)"
+ORIGIN_MICRO_ESCAPE = r"\g(m)"
 UNIT_START_PATTERN, WORD_SEPARATOR_PATTERN = (
     re.compile(r"[\s_/,.\[(]+"),
     re.compile(r"[\s,_\-.:()\[\]/]+"),
@@ -38,13 +38,13 @@ def fold_accents(text: str) -> str:
 
 def normalised_unit(text: str) -> str:
     """A unit with its brackets taken off, in one spelling: ``(Degrees)`` is ``deg``."""
-    unit = fold_accents(text).replace(ORIGIN_MICRO, "u").strip(" []()")
+    unit = fold_accents(text).replace(ORIGIN_MICRO_ESCAPE, "u").strip(" []()")
     unit = re.sub("[_ ](?:per|pro|par|por)[_ ]", "/", unit)
     unit = PER_SECOND_PATTERN.sub(lambda end: "/s²" if "2" in end.groups() else "/s", unit)
     return UNIT_OF_NAME.get(unit, unit)
 
 
-def words_and_unit(cell: str, units: Collection[str]) -> Iterator[tuple[list[str], str]]:
+def possible_words_and_units(cell: str, units: Collection[str]) -> Iterator[tuple[list[str], str]]:
     """The ways to read a header's cell, the likeliest first: its words, and its unit or ``""``.
 
     First come known units, then none, then what is in brackets, or the last word, as a unit that is

@@ -12,8 +12,8 @@ from typing import Any, TextIO, TypeVar
 
 from squeezefilm.errors import RunError
 
-Item = TypeVar("Item")
-Result = TypeVar("Result")
+ItemT = TypeVar("ItemT")
+ResultT = TypeVar("ResultT")
 
 # What forked processes inherit, so that a task need not survive being sent to them.
 _inherited_task: Callable[[Any], Any] | None = None
@@ -24,8 +24,8 @@ _progress_stack: list["Progress"] = []
 
 
 def parallel_map(
-    task: Callable[[Item], Result], items: Iterable[Item], *, processes: int
-) -> list[Result]:
+    task: Callable[[ItemT], ResultT], items: Iterable[ItemT], *, processes: int
+) -> list[ResultT]:
     """``[task(item) for item in items]``, in order, on so many processes.
 
     Processes are forked, so the task may be any callable; where the system cannot fork safely
@@ -54,7 +54,7 @@ def parallel_map(
     before = signal.signal(signal.SIGINT, stop_children)
     context = multiprocessing.get_context("fork")
     try:
-        with ProcessPoolExecutor(min(processes, len(items)), context, _end_with_parent) as pool:
+        with ProcessPoolExecutor(min(processes, len(items)), context, _die_with_parent) as pool:
             # Not `map`, which cancels what a broken pool has not ended yet, at the same time as it.
             futures = [pool.submit(_run_inherited_task, item) for item in items]
             if interrupted:  # before all of them were there
@@ -70,7 +70,7 @@ def parallel_map(
     return results
 
 
-def _end_with_parent() -> None:
+def _die_with_parent() -> None:
     """Let the system kill this process when the one that forked it dies."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
 
@@ -88,19 +88,19 @@ class Progress:
     unit: str
     total: int
     done: int = 0
-    doing: str = ""
+    current_step: str = ""
 
     def update(self, count: int) -> None:
         self.done += count
 
     def __str__(self) -> str:
         text = f"{self.name}: {self.done} of {self.total} {self.unit}s"
-        return f"{text} ({self.doing})" if self.doing else text
+        return f"{text} ({self.current_step})" if self.current_step else text
 
 
 @contextmanager
-def report_progress(total: int, *, unit: str, name: str) -> Iterator[Progress]:
-    """Work that ``showing_progress`` shows, within that which is under way."""
+def track_progress(total: int, *, unit: str, name: str) -> Iterator[Progress]:
+    """Work that ``show_progress`` shows, within that which is under way."""
     progress = Progress(name, unit, total)
     _progress_stack.append(progress)
     try:
@@ -110,7 +110,7 @@ def report_progress(total: int, *, unit: str, name: str) -> Iterator[Progress]:
 
 
 @contextmanager
-def showing_progress(command: str, *, to: TextIO | None = None) -> Iterator[None]:
+def show_progress(command: str, *, to: TextIO | None = None) -> Iterator[None]:
     """Show on stderr how far a command is, each time that PROGRESS_INTERVAL_S have gone by.
 
     A terminal has one line that changes; elsewhere each time has its own.

@@ -20,7 +20,7 @@ RECORDED_PACKAGES = (
 )
 
 
-def _library_sources(*without: str) -> list[str]:
+def _library_code_paths(*without: str) -> list[str]:
     """The library's folders and modules but those that are named, and this one."""
     there = sorted(
         path.name for path in WORKFLOW_DIR.glob("squeezefilm/[a-z]*") if path.suffix != ".csv"
@@ -28,14 +28,17 @@ def _library_sources(*without: str) -> list[str]:
     return [f"squeezefilm/{name}" for name in there if name not in ("provenance.py", *without)]
 
 
-MODEL_SOURCES = _library_sources("cli")
-SOLVER_SOURCES = [*_library_sources("cli", "designs", "models"), "squeezefilm/designs/space.py"]
-SOURCES_OF_STAGE = {
-    "solver": SOLVER_SOURCES,
-    "models": MODEL_SOURCES,
-    "verification": [*MODEL_SOURCES, "squeezefilm_workflow/verification"],
+MODEL_CODE_PATHS = _library_code_paths("cli")
+SOLVER_CODE_PATHS = [
+    *_library_code_paths("cli", "designs", "models"),
+    "squeezefilm/designs/space.py",
+]
+CODE_PATHS_OF_STAGE = {
+    "solver": SOLVER_CODE_PATHS,
+    "models": MODEL_CODE_PATHS,
+    "verification": [*MODEL_CODE_PATHS, "squeezefilm_workflow/verification"],
     "figures": [
-        *MODEL_SOURCES,
+        *MODEL_CODE_PATHS,
         "squeezefilm/columns.csv",
         "squeezefilm_workflow/paper",
         "squeezefilm_workflow/reporting",
@@ -49,7 +52,7 @@ def code_digest(stage: str) -> str:
 
     Raises FileNotFoundError where a source is not there.
     """
-    together = " ".join(map(_source_digest, SOURCES_OF_STAGE[stage]))
+    together = " ".join(map(_source_digest, CODE_PATHS_OF_STAGE[stage]))
     return hashlib.sha256(together.encode()).hexdigest()[:16]
 
 
@@ -77,14 +80,16 @@ def package_versions() -> dict[str, str]:
     return version_of
 
 
-def provenance(configuration: Mapping[str, Any], *, device: Mapping[str, Any]) -> dict[str, Any]:
+def provenance_record(
+    configuration: Mapping[str, Any], *, device: Mapping[str, Any]
+) -> dict[str, Any]:
     """The facts, for ``results/STUDY/provenance.json``; without git no commit is known."""
     changed = _git_output("status", "--porcelain", "--", ".", ":!results")
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": _git_output("rev-parse", "HEAD"),
         "changed_since_commit": None if changed is None else changed.splitlines(),
-        "code_digests": {stage: code_digest(stage) for stage in SOURCES_OF_STAGE},
+        "code_digests": {stage: code_digest(stage) for stage in CODE_PATHS_OF_STAGE},
         "packages": package_versions(),
         "device": dict(device),
         "configuration": dict(configuration),

@@ -25,14 +25,14 @@ from pydantic import (
 from pydantic.json_schema import PydanticOmit
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from squeezefilm.units import in_unit, split_unit
+from squeezefilm.units import number_in_unit, split_unit
 
 KeyPath = tuple[str | int, ...]
 """The keys, and numbers of a list's items, that lead to a value."""
-Items = TypeVar("Items", bound=Iterable[Hashable])
+ItemsT = TypeVar("ItemsT", bound=Iterable[Hashable])
 
 
-def key_of(name: str) -> str:
+def key_of_name(name: str) -> str:
     """The key in a file of what Python calls ``name``."""
     return split_unit(name)[0]
 
@@ -61,7 +61,7 @@ class BoundedNumber:
     def __get_pydantic_core_schema__(self, source: Any, _: GetCoreSchemaHandler) -> CoreSchema:
         low: dict[str, Any] = {"gt" if self.open else "ge": self.low}
         number = core_schema.float_schema(strict=True, allow_inf_nan=False, le=self.high, **low)
-        return core_schema.no_info_before_validator_function(self._in_si, number)
+        return core_schema.no_info_before_validator_function(self._value_in_si, number)
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
@@ -69,24 +69,24 @@ class BoundedNumber:
         text = {"type": ["number", "string"], "unit": self.unit}  # limits are a number's alone
         return handler(schema) | (text if self.unit != "1" else {})
 
-    def _in_si(self, value: Any) -> Any:
+    def _value_in_si(self, value: Any) -> Any:
         """The value in SI units; as it is where it is no number with such a unit."""
-        number = in_unit(value, self.unit) if isinstance(value, str) else None
+        number = number_in_unit(value, self.unit) if isinstance(value, str) else None
         return value if number is None else number
 
 
-def _require_unique(values: Items) -> Items:
+def _require_unique(values: ItemsT) -> ItemsT:
     if len(set(values)) < len(list(values)):
         raise error_at_key("a value stands twice")
     return values
 
 
 Length = Annotated[float, BoundedNumber("m", 1e-6, 10)]
-Rise = Annotated[float, BoundedNumber("m", -1e-3, 1e-3)]
-Direction = Annotated[float, BoundedNumber("°", -360, 360)]
+GapRise = Annotated[float, BoundedNumber("m", -1e-3, 1e-3)]
+DirectionAngle = Annotated[float, BoundedNumber("°", -360, 360)]
 Text = Annotated[str, Field(min_length=1, max_length=1000)]
 UniqueItems = AfterValidator(_require_unique)
-DERIVED: Any = Field(default=None)
+DERIVED_DEFAULT: Any = Field(default=None)
 """Of an optional key: ``default:`` in the docstring says what follows from others."""
 NOT_GIVEN: Any = None
 """The same of one of the film's types."""
@@ -98,7 +98,7 @@ def add_key_meanings(schema: dict[str, Any], section: type) -> None:
 
     The ``kind`` tells profiles apart, and is to be written.
     """
-    keys, order = schema.get("properties", {}), list(map(key_of, section.__annotations__))
+    keys, order = schema.get("properties", {}), list(map(key_of_name, section.__annotations__))
     if keys.keys() <= set(order):  # pydantic puts those last that Python takes by name alone
         schema["properties"] = {name: keys[name] for name in order if name in keys}
     if "kind" in keys:
@@ -107,18 +107,21 @@ def add_key_meanings(schema: dict[str, Any], section: type) -> None:
     about, _, attributes = schema.get("description", "").partition("\n\nAttributes:\n")
     schema["description"] = " ".join(about.partition("\n\n")[0].split())
     for name, meaning in re.findall(r"^    (\w+): (.*(?:\n {8}.*)*)", attributes, re.MULTILINE):
-        key = schema["properties"][key_of(name)]
+        key = schema["properties"][key_of_name(name)]
         key["description"], _, words = " ".join(meaning.split()).partition("; default: ")
         key |= {"derived": words} if words else {}
 
 
-SECTION_KEYS = ConfigDict(
-    extra="forbid", alias_generator=key_of, defer_build=True, json_schema_extra=add_key_meanings
+SECTION_CONFIG = ConfigDict(
+    extra="forbid",
+    alias_generator=key_of_name,
+    defer_build=True,
+    json_schema_extra=add_key_meanings,
 )
 
 
 class Section(BaseModel):
-    model_config = SECTION_KEYS
+    model_config = SECTION_CONFIG
 
 
 @dataclass(frozen=True)
@@ -138,5 +141,5 @@ def _refuse_key(value: Any) -> Any:
     raise PydanticCustomError("extra_forbidden", "Extra inputs are not permitted")
 
 
-Value = TypeVar("Value")
-Internal = Annotated[Value, NotAKey(), Field(exclude=True)]
+ValueT = TypeVar("ValueT")
+InternalAttribute = Annotated[ValueT, NotAKey(), Field(exclude=True)]

@@ -32,9 +32,10 @@ class Solution:
             elliptical one, and over the period.
         newton_steps, krylov_iterations: over all grids.
         residual: estimate of the mass error that Newton's iteration left, relative to p0 h0.
-        work: floating-point operations of the iterations, for sharing out run time; no column.
+        operation_count: floating-point operations of the iterations, for sharing out run time; no
+            column.
         states: the periodic state on the last two grids, the finer one last, where it was asked for
-            (reynolds/periodic/launch.States); no column.
+            (reynolds/periodic/launch.PeriodicStates); no column.
         derivatives: of the force, where they were asked for (quantities/derivatives.py).
         outputs: quantities beside the force, where they were requested (quantities/outputs.py).
     """
@@ -52,7 +53,7 @@ class Solution:
     newton_steps: int = 0
     krylov_iterations: int = 0
     residual: float = 0.0
-    work: float = field(default=0.0, metadata={"column": False})
+    operation_count: float = field(default=0.0, metadata={"column": False})
     states: tuple[Any, ...] = field(
         default=(), repr=False, compare=False, metadata={"column": False}
     )
@@ -60,7 +61,7 @@ class Solution:
     outputs: Outputs | None = field(default=None, metadata={"column": False})
 
     @property
-    def requested_columns(self) -> dict[str, float | str]:
+    def requested_row(self) -> dict[str, float | str]:
         """A row of what was asked for beside the force."""
         asked = (self.derivatives, self.outputs)
         return {
@@ -86,7 +87,7 @@ class Solutions(Sequence[Solution]):
         vars(self).update(columns)
 
     @classmethod
-    def of_method(cls, method: str, count: int) -> Solutions:
+    def unsolved_of_method(cls, method: str, count: int) -> Solutions:
         """Solutions that are not known yet."""
         columns = {}
         for name, value in (DEFAULT_OF_COLUMN | {"method": method}).items():
@@ -101,7 +102,7 @@ class Solutions(Sequence[Solution]):
         """The columns of some solutions."""
         if isinstance(solutions, Solutions):
             return solutions
-        table = cls.of_method("", len(solutions))
+        table = cls.unsolved_of_method("", len(solutions))
         for row, solution in enumerate(solutions):
             for name, column in table.columns.items():
                 column[row] = getattr(solution, name)
@@ -126,14 +127,14 @@ class Solutions(Sequence[Solution]):
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and list(self) == list(other)
 
-    def with_rows(self, rows: np.ndarray, others: Solutions) -> Solutions:
+    def with_replaced_rows(self, rows: np.ndarray, others: Solutions) -> Solutions:
         """The solutions with others in the place of some."""
         columns = {name: column.copy() for name, column in self.columns.items()}
         for name, column in columns.items():
             column[rows] = others.columns[name]
         return Solutions(columns)
 
-    def with_column(self, name: str, values: Sequence[object]) -> Solutions:
+    def with_replaced_column(self, name: str, values: Sequence[object]) -> Solutions:
         """The solutions with other values of an attribute."""
         column = np.empty(len(self), dtype=object)
         for row, value in enumerate(values):
@@ -143,7 +144,7 @@ class Solutions(Sequence[Solution]):
     def to_frame(self, index: pd.Index | None = None) -> pd.DataFrame:
         """The columns of a table of forces, a row for each scene, and of what was asked for."""
         forces = pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS}, index=index)
-        asked = pd.DataFrame([each.requested_columns for each in self], index=forces.index)
+        asked = pd.DataFrame([each.requested_row for each in self], index=forces.index)
         return pd.concat([forces, asked], axis=1)
 
 
@@ -155,9 +156,9 @@ SOLUTION_COLUMNS = tuple(
     each.name for each in fields(Solution) if each.metadata.get("column", True)
 )
 
-REQUESTED_COLUMNS = [column for column in COLUMNS.values() if column.of]
-DERIVATIVES = {
-    column.of: column.name for column in REQUESTED_COLUMNS if column.name.startswith("dforce_d")
+REQUESTABLE_COLUMNS = [column for column in COLUMNS.values() if column.of]
+DERIVATIVE_COLUMNS = {
+    column.of: column.name for column in REQUESTABLE_COLUMNS if column.name.startswith("dforce_d")
 }
 """Numbers that the force may be differentiated to, and the columns of the derivatives."""
 
@@ -170,20 +171,24 @@ class Derivatives:
     the other sign.
 
     Attributes:
-        value: in newtons over the number's unit, by DERIVATIVES' names; 0 for a number that the
-            scene's equation does not have, NaN unless ``status`` is ``ok``.
+        value: in newtons over the number's unit, by DERIVATIVE_COLUMNS' names; 0 for a number that
+            the scene's equation does not have, NaN unless ``status`` is ``ok``.
         error: estimate of its absolute error.
         status: ``ok``, or why there are none.
     """
 
-    value: Mapping[str, float] = field(default_factory=lambda: dict.fromkeys(DERIVATIVES, nan))
-    error: Mapping[str, float] = field(default_factory=lambda: dict.fromkeys(DERIVATIVES, nan))
+    value: Mapping[str, float] = field(
+        default_factory=lambda: dict.fromkeys(DERIVATIVE_COLUMNS, nan)
+    )
+    error: Mapping[str, float] = field(
+        default_factory=lambda: dict.fromkeys(DERIVATIVE_COLUMNS, nan)
+    )
     status: str
 
     def columns(self) -> dict[str, float | str]:
         """A row of a table of forces: ``dforce_dNAME_UNIT``, ``dforce_dNAME_error_UNIT``."""
         row: dict[str, float | str] = {}
-        for number, name in DERIVATIVES.items():
+        for number, name in DERIVATIVE_COLUMNS.items():
             row[name] = self.value[number]
             row[error_column(name)] = self.error[number]
         return row | {"derivatives_status": self.status}
@@ -191,21 +196,21 @@ class Derivatives:
 
 # What may be asked for beside the mean force: the numbers of each output and their columns.
 # docs/outputs.md has their signs and formulas.
-OUTPUTS: dict[str, dict[str, str]] = {}
-for column in REQUESTED_COLUMNS:
-    if column.of not in DERIVATIVES:
-        OUTPUTS.setdefault(column.of, {})[split_unit(column.name)[0]] = column.name
+OUTPUT_COLUMNS: dict[str, dict[str, str]] = {}
+for column in REQUESTABLE_COLUMNS:
+    if column.of not in DERIVATIVE_COLUMNS:
+        OUTPUT_COLUMNS.setdefault(column.of, {})[split_unit(column.name)[0]] = column.name
 
 
 def validated_output_names(names: Iterable[str]) -> tuple[str, ...]:
-    """The names of outputs in the order of OUTPUTS; ``all`` of them.
+    """The names of outputs in the order of OUTPUT_COLUMNS; ``all`` of them.
 
     Raises InputError for another name, with those that there are.
     """
     asked = set(names)
-    if unknown := asked - {*OUTPUTS, "all"}:
-        raise InputError(f"outputs: {min(unknown)!r} is none of {', '.join(OUTPUTS)}")
-    return tuple(name for name in OUTPUTS if name in asked or "all" in asked)
+    if unknown := asked - {*OUTPUT_COLUMNS, "all"}:
+        raise InputError(f"outputs: {min(unknown)!r} is none of {', '.join(OUTPUT_COLUMNS)}")
+    return tuple(name for name in OUTPUT_COLUMNS if name in asked or "all" in asked)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,8 +218,9 @@ class Outputs:
     """A scene's quantities beside the mean force.
 
     Attributes:
-        requested_names: the outputs that were asked for, of OUTPUTS.
-        value: by the names in OUTPUTS, in the units there; one that is not there is not known.
+        requested_names: the outputs that were asked for, of OUTPUT_COLUMNS.
+        value: by the names in OUTPUT_COLUMNS, in the units there; one that is not there is not
+            known.
         error: estimate of its absolute error, for each value.
         missing: why an output is not there, or a part of it; by output.
     """
@@ -237,7 +243,7 @@ class Outputs:
         missing: Mapping[str, str],
     ) -> Outputs:
         """Return what was asked for of numbers with errors, and of reasons for missing ones."""
-        names = [name for output in asked for name in OUTPUTS[output] if name in values]
+        names = [name for output in asked for name in OUTPUT_COLUMNS[output] if name in values]
         return cls(
             requested_names=asked,
             value={name: values[name][0] for name in names},
@@ -249,7 +255,7 @@ class Outputs:
         """A row of a table of forces: ``NAME_UNIT``, ``NAME_error_UNIT``, ``outputs_status``."""
         row: dict[str, float | str] = {}
         for output in self.requested_names:
-            for quantity, name in OUTPUTS[output].items():
+            for quantity, name in OUTPUT_COLUMNS[output].items():
                 row[name] = self.value.get(quantity, nan)
                 row[error_column(name)] = self.error.get(quantity, nan)
         return row | {"outputs_status": self.status}

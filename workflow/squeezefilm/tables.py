@@ -19,27 +19,45 @@ import numpy as np
 
 from squeezefilm.columns import TEXT_COLUMNS, unregistered_columns
 from squeezefilm.errors import (
-    MAX_ROWS_NAMED,
+    MAX_ROWS_IN_MESSAGE,
     InputError,
     RunError,
     prefix_errors,
-    reject_rows,
+    raise_row_problems,
     requires_extra,
 )
 from squeezefilm.files import atomic_file, read_text, write_text
-from squeezefilm.film.positions import CARTESIAN, POLAR, columns_in_form, with_both_coordinates
-from squeezefilm.headers import fold_accents, words_and_unit
+from squeezefilm.film.positions import (
+    CARTESIAN_COLUMNS,
+    POLAR_COLUMNS,
+    columns_in_table_form,
+    with_both_coordinates,
+)
+from squeezefilm.headers import fold_accents, possible_words_and_units
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import unit_sizes
 
-FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR)
+FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR_COLUMNS)
 """Here and below, positions are named in polar form; columns_as_in takes a table's own names."""
 SCENE_COLUMNS = ("point_id", *FACTOR_COLUMNS)
 DESIGN_COLUMNS = (*SCENE_COLUMNS, "origin")
 TIMING_COLUMNS = ("point_id", "solve_s")
-LIMIT_COLUMNS = (*SCENE_COLUMNS, "limit_n", "fast_limit_n", "sigma", "limit_error_n", "status")
-ROUND_COLUMNS = ("simulations", "global_error", "global_lower", "global_upper", "worst_error")
+ASYMPTOTIC_FORCE_COLUMNS = (
+    *SCENE_COLUMNS,
+    "limit_n",
+    "fast_limit_n",
+    "sigma",
+    "limit_error_n",
+    "status",
+)
+REFINEMENT_ROUND_COLUMNS = (
+    "simulations",
+    "global_error",
+    "global_lower",
+    "global_upper",
+    "worst_error",
+)
 """What a reader of a refinement's rounds may count on; the table has more."""
 ERROR_MAP_COLUMNS = (*FACTOR_COLUMNS, "layer", "error_n")
 MEASUREMENT_UNCERTAINTY_COLUMNS = ("force_uncertainty_n", "h0_uncertainty_m", "hv_uncertainty_m")
@@ -48,7 +66,9 @@ MEASURED_COLUMNS_TEXT = (
     "h0 [µm], hv [µm], force [mN] and force uncertainty [mN], each with its unit; and, where they "
     "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
 )
-POSITION_FORMS_TEXT = f"a position is {' and '.join(POLAR)}, or {' and '.join(CARTESIAN)}"
+POSITION_FORMS_TEXT = (
+    f"a position is {' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
+)
 PARQUET_SUFFIX, CSV_SEPARATORS = ".parquet", ",;\t"
 UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
@@ -83,7 +103,7 @@ OtherColumnsPolicy = Literal["invalid", "unknown are invalid", "ignored", "kept"
 columns.csv does not have."""
 
 
-def chunk_rows(chunk: int, chunks: int, count: int) -> slice:
+def chunk_row_slice(chunk: int, chunks: int, count: int) -> slice:
     """The rows of one of several chunks: contiguous parts that differ by at most one row."""
     return slice(count * (chunk - 1) // chunks, count * chunk // chunks)
 
@@ -166,12 +186,12 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
     Raises InputError naming the points that were not solved.
     """
     table = read_forces(path)
-    if failures := failed_points(table):
+    if failures := failed_point_texts(table):
         raise InputError(no_force_message(failures, path))
     return table
 
 
-def failed_points(forces: pd.DataFrame) -> list[str]:
+def failed_point_texts(forces: pd.DataFrame) -> list[str]:
     """The points of a table without a force, each with its reason."""
     failed = forces[forces["status"] != "ok"]
     return [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
@@ -179,9 +199,9 @@ def failed_points(forces: pd.DataFrame) -> list[str]:
 
 def no_force_message(failures: Sequence[str], scenes: Path | str) -> str:
     """The message for points without a force."""
-    beyond = len(failures) - MAX_ROWS_NAMED
+    beyond = len(failures) - MAX_ROWS_IN_MESSAGE
     more = f" and {beyond} more" if beyond > 0 else ""
-    return f"{scenes}: no force for {'; '.join(failures[:MAX_ROWS_NAMED])}{more}"
+    return f"{scenes}: no force for {'; '.join(failures[:MAX_ROWS_IN_MESSAGE])}{more}"
 
 
 def _read_table(
@@ -203,17 +223,17 @@ def _read_table(
         optional: others that may be missing.
         required: what the table needs, for messages.
     """
-    path, optional = Path(path), (*optional, "point_id", *POLAR, *CARTESIAN)
+    path, optional = Path(path), (*optional, "point_id", *POLAR_COLUMNS, *CARTESIAN_COLUMNS)
     how: dict[str, Any] = {"optional": optional, "others": others, "chunk": chunk}
     table, lines = _read_rows(
         path, columns, required=required or _columns_text(columns, optional), **how
     )
     word = "row" if path.suffix == PARQUET_SUFFIX else "line"
     source, statuses = f"{path}: {word}", table.get("status")
-    wanted = [name for name in columns_in_form(columns, table) if name in table]
+    wanted = [name for name in columns_in_table_form(columns, table) if name in table]
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
     problems: list[tuple[int, str]] = []
-    for name in [each for each in columns_in_form(numbers, wanted) if each in wanted]:
+    for name in [each for each in columns_in_table_form(numbers, wanted) if each in wanted]:
         cells, values = table[name].tolist(), table[name].map(number_of_cell).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             problem = f"{name} is {cells[row]!r}, not a finite number"
@@ -233,10 +253,12 @@ def _read_table(
     for row in np.flatnonzero(ids.duplicated() & ~empty).tolist():
         name = ids.iloc[row]
         problems.append((row, f"point_id {name!r} stands in {word} {first[name]} already"))
-    reject_rows([f"{source} {lines[row]}: {problem}" for row, problem in sorted(problems)])
-    if POLAR[0] in columns:
+    raise_row_problems([f"{source} {lines[row]}: {problem}" for row, problem in sorted(problems)])
+    if POLAR_COLUMNS[0] in columns:
         table = with_both_coordinates(table)
-    return table if path.suffix == PARQUET_SUFFIX else table.iloc[chunk_rows(*chunk, len(table))]
+    return (
+        table if path.suffix == PARQUET_SUFFIX else table.iloc[chunk_row_slice(*chunk, len(table))]
+    )
 
 
 def _read_rows(
@@ -258,8 +280,8 @@ def _read_rows(
         table, lines = _read_csv_rows(path, columns=columns, required=required)
     header = list(map(str, table))
     with prefix_errors(path):
-        asked = columns_in_form(columns, header)
-        optional = [*optional, *columns_in_form(optional, header)]
+        asked = columns_in_table_form(columns, header)
+        optional = [*optional, *columns_in_table_form(optional, header)]
         _check_header(header, asked, optional, others=others, required=required)
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
@@ -281,7 +303,7 @@ def _read_csv_rows(
     if not rows:
         raise InputError(f"{path}: the table is empty; it needs {required}")
     (_, header), *rows = rows
-    reject_rows(
+    raise_row_problems(
         [
             f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
             for line, cells in rows
@@ -294,13 +316,13 @@ def _read_csv_rows(
         for column_index, name in enumerate(header):
             table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
     names = list(header)
-    for column_index, own, size in _columns_of_header(header, columns):
+    for column_index, own, size in _renamed_columns_of_header(header, columns):
         names[column_index] = own
         table[column_index] = [_cell_in_si(cell, size) for cell in table[column_index]]
     return table.set_axis(names, axis=1).reset_index(drop=True), lines
 
 
-def _columns_of_header(
+def _renamed_columns_of_header(
     header: Sequence[str], columns: Iterable[str]
 ) -> Iterator[tuple[int, str, float]]:
     """Columns that a header names in words or with another unit.
@@ -308,9 +330,12 @@ def _columns_of_header(
     Yields their numbers in the header, their own names, and the size of the unit.
     """
     columns = list(columns)
-    asked = {*columns_in_form(columns, ()), *columns_in_form(columns, CARTESIAN)}
+    asked = {
+        *columns_in_table_form(columns, ()),
+        *columns_in_table_form(columns, CARTESIAN_COLUMNS),
+    }
     for column_index, name in enumerate(header):
-        own, size = _column_and_unit_of_cell(name)
+        own, size = _column_and_unit_size(name)
         if name not in asked and own in asked - {*header} and size:
             yield column_index, own, size
 
@@ -328,7 +353,9 @@ def normalise_points(
     Raises InputError naming the column that is missing, not known or without its unit.
     """
     names = list(map(str, points))
-    renamed = {names[k]: (own, size) for k, own, size in _columns_of_header(names, FACTOR_COLUMNS)}
+    renamed = {
+        names[k]: (own, size) for k, own, size in _renamed_columns_of_header(names, FACTOR_COLUMNS)
+    }
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
         scaled = {
@@ -339,7 +366,7 @@ def normalise_points(
             columns={name: own for name, (own, _) in renamed.items()}
         )
     header = list(map(str, points))
-    columns = columns_in_form(SCENE_COLUMNS, header)
+    columns = columns_in_table_form(SCENE_COLUMNS, header)
     optional = [name for name in columns if name not in needed]
     _check_header(
         header, columns, optional, others=others, required=_columns_text(columns, optional)
@@ -356,9 +383,9 @@ def _columns_text(columns: Sequence[str], optional: Collection[str]) -> str:
     return "; ".join(f"{start}{', '.join(names)}" for start, names in parts.items() if names)
 
 
-def _column_and_unit_of_cell(cell: str) -> tuple[str, float | None]:
+def _column_and_unit_size(cell: str) -> tuple[str, float | None]:
     """The column that a header's cell names, and the size of its unit; None of one without."""
-    for words, unit in words_and_unit(cell, KNOWN_UNIT_NAMES):
+    for words, unit in possible_words_and_units(cell, KNOWN_UNIT_NAMES):
         uncertain = words[-1:] == ["uncertainty"]
         text = " ".join(words[:-1] if uncertain else words).removesuffix(" standard")
         if text in COLUMN_OF_WORDS:
@@ -395,7 +422,7 @@ def _read_parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFr
             about = file.metadata
             row_counts = [about.row_group(group).num_rows for group in range(about.num_row_groups)]
             ends = np.cumsum(row_counts, dtype=int)
-            asked = range(about.num_rows)[chunk_rows(*chunk, about.num_rows)]
+            asked = range(about.num_rows)[chunk_row_slice(*chunk, about.num_rows)]
             groups = np.flatnonzero((ends > asked.start) & (ends - row_counts < asked.stop))
             read = file.read_row_groups(groups.tolist())
     except FileNotFoundError:
@@ -433,10 +460,14 @@ def _check_header(
     for name in columns:
         if header.count(name) > 1:
             raise InputError(f"column {name!r} stands twice")
-    for name in CARTESIAN if POLAR[0] in columns else ():
+    for name in CARTESIAN_COLUMNS if POLAR_COLUMNS[0] in columns else ():
         if name in header:
             raise InputError(f"unknown column {name!r}; {POSITION_FORMS_TEXT}")
-    position = {*POLAR, *CARTESIAN} if POLAR[0] in columns or CARTESIAN[0] in columns else set()
+    position = (
+        {*POLAR_COLUMNS, *CARTESIAN_COLUMNS}
+        if POLAR_COLUMNS[0] in columns or CARTESIAN_COLUMNS[0] in columns
+        else set()
+    )
     factors = {*columns, *position} - {*header}
     beside = [name for name in header if name not in columns]
     missing = [name for name in columns if name not in (*header, *optional)]
@@ -447,9 +478,9 @@ def _check_header(
         beside = unregistered_columns(beside)
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
-        beside = [name for name in beside if _column_and_unit_of_cell(name)[0] in factors]
+        beside = [name for name in beside if _column_and_unit_size(name)[0] in factors]
     for name in beside:
-        own, _ = _column_and_unit_of_cell(name)
+        own, _ = _column_and_unit_size(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
             units = ", ".join(f"{stem}_{unit}" for unit in SIZES_OF_UNIT_NAMES[base])
@@ -490,7 +521,7 @@ def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str]
         write(table)
 
 
-def check_parquet() -> None:
+def check_parquet_installed() -> None:
     """Raise InputError where the package is missing that reads and writes Parquet."""
     with requires_extra("parquet", what="a table in Parquet"):
         import pyarrow  # noqa: F401
@@ -504,7 +535,7 @@ def checked_table_path(path: Path | str) -> str:
     """
     suffix = Path(path).suffix
     if suffix == PARQUET_SUFFIX:
-        check_parquet()
+        check_parquet_installed()
     if suffix.lower() in UNSUPPORTED_SUFFIXES:
         raise InputError(
             f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET_SUFFIX}; "
@@ -594,7 +625,7 @@ def merge_forces(
                     f"{part}: its points are not those of part {number} of {len(parts)} of "
                     f"{scenes}; simulate it again"
                 )
-            failures += [f"{failure} ({part})" for failure in failed_points(rows)]
+            failures += [f"{failure} ({part})" for failure in failed_point_texts(rows)]
             write(rows)
         if failures and not keep_failed:
             raise RunError(no_force_message(failures, scenes))

@@ -18,16 +18,27 @@ DIMENSIONLESS: Dimension = {}
 MAX_SPACED_VALUES = 10_000
 MAX_DECIMALS, MIN_VALUE_WITHOUT_EXPONENT = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
-DECIMAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-NUMBER = re.compile(rf"(?!\s*[-+]?0\d+\s*$)\s*({DECIMAL})\s*", re.ASCII)  # 010 may be an octal 8
+DECIMAL_REGEX = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER_PATTERN = re.compile(
+    rf"(?!\s*[-+]?0\d+\s*$)\s*({DECIMAL_REGEX})\s*", re.ASCII
+)  # 010 may be an octal 8
 SHARED_UNIT_PATTERN = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
 """Numbers without units, and the unit at the end that is that of all."""
 UNIT_FACTOR_PATTERN = re.compile(
     r"(?P<sign>[/*·\s]*)(?P<name>[^\d\s/*·^²³()]+|1)"
     r"(?:(?:\^|\*\*)?(?P<power>[1-9²³]|\(-?\d+(?:/\d+)?\)))?"
 )
-PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "m": 1e-3, "c": 1e-2, "h": 1e2, "k": 1e3, "M": 1e6}
-PREFIXES |= dict.fromkeys("µμu", 1e-6)
+PREFIX_FACTORS = {
+    "": 1.0,
+    "p": 1e-12,
+    "n": 1e-9,
+    "m": 1e-3,
+    "c": 1e-2,
+    "h": 1e2,
+    "k": 1e3,
+    "M": 1e6,
+}
+PREFIX_FACTORS |= dict.fromkeys("µμu", 1e-6)
 UNIT_OF_LOWER_CASE = {
     unit.lower(): unit for unit in ("N", "m", "s", "Hz", "rad", "Pa", "W", "kg", "K")
 }
@@ -43,7 +54,9 @@ class Unit(NamedTuple):
 
 
 UNITS = {
-    prefix + name: Unit(PREFIXES[prefix] * size, {base: Fraction(n) for base, n in power.items()})
+    prefix + name: Unit(
+        PREFIX_FACTORS[prefix] * size, {base: Fraction(n) for base, n in power.items()}
+    )
     for name, prefixes, size, power in (
         ("N", "m", 1.0, {"N": 1}),
         ("m", "muµμncp", 1.0, {"m": 1}),
@@ -69,7 +82,7 @@ def dimension_product(a: Dimension, b: Dimension, power: Fraction | int = 1) -> 
     return {base: Fraction(exponent) for base, exponent in exponents.items() if exponent}
 
 
-def parse_compound(text: str) -> Unit | None:
+def parse_compound_unit(text: str) -> Unit | None:
     """A unit made of others, such as ``kg/m³``, ``Pa s`` or ``1/mm``; None for anything else."""
     text, size, dimension, end = text.strip(), 1.0, DIMENSIONLESS, 0
     for match in UNIT_FACTOR_PATTERN.finditer(text):
@@ -86,24 +99,24 @@ def parse_compound(text: str) -> Unit | None:
 
 def unit_sizes(unit: str) -> dict[str, float]:
     """The simple units that measure what a unit does, each with its size in it."""
-    wanted = parse_compound(unit)
+    wanted = parse_compound_unit(unit)
     return {name: each.size for name, each in UNITS.items() if wanted and each[1:] == wanted[1:]}
 
 
-def quantity_examples(unit: str) -> str:
+def quantity_examples_text(unit: str) -> str:
     """Two ways to write a quantity with its unit."""
     return " or ".join(f"1 {name}" for name in (list(unit_sizes(unit)) or [unit])[:2])
 
 
-def in_unit(text: str, unit: str) -> float | None:
+def number_in_unit(text: str, unit: str) -> float | None:
     """The number of a text such as ``43.27 kHz`` in another unit; None if it has no such unit.
 
     A number alone is in that unit already.
     """
-    match = NUMBER.match(text)
+    match = NUMBER_PATTERN.match(text)
     own, wanted = (
-        parse_compound(text[match.end() :] or unit) if match else None,
-        parse_compound(unit),
+        parse_compound_unit(text[match.end() :] or unit) if match else None,
+        parse_compound_unit(unit),
     )
     if not match or not own or not wanted or own.dimension != wanted.dimension:
         return None
@@ -113,19 +126,19 @@ def in_unit(text: str, unit: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def quantity(text: str, *, option: str, unit: str) -> float:
+def parse_quantity(text: str, *, option: str, unit: str) -> float:
     """A number with its unit, in the given one.
 
     Raises InputError naming the option, for a text that is no number with such a unit.
     """
-    value = None if NUMBER.fullmatch(text) else in_unit(text, unit)
+    value = None if NUMBER_PATTERN.fullmatch(text) else number_in_unit(text, unit)
     if value is None:
         names = ", ".join(name for name in unit_sizes(unit) if "μ" not in name)  # µ is there too
         raise InputError(f"{option} {text!r} must be a number with its unit: {names}")
     return value
 
 
-def quantities(text: str, *, option: str, unit: str) -> list[float]:
+def parse_quantities(text: str, *, option: str, unit: str) -> list[float]:
     """One number with its unit, several with commas, or evenly spaced ones as first:last:count.
 
     Each number has its unit, or one stands at the end for all: ``0.5, 1, 2um``, ``0.5:2.5:9um``.
@@ -133,7 +146,7 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
     and for a value that stands twice.
     """
     if not set(text) & set(",:"):
-        return [quantity(text, option=option, unit=unit)]
+        return [parse_quantity(text, option=option, unit=unit)]
     shared = SHARED_UNIT_PATTERN.fullmatch(text)
     numbers, unit_of_all = shared.groups() if shared else (text, "")
     *ends, count = numbers.split(":")
@@ -142,13 +155,15 @@ def quantities(text: str, *, option: str, unit: str) -> list[float]:
         if unit_of_all and re.search(r",\S", numbers):
             decimal = f"{text.replace(',', '.')}, or " * (len(parts) == 2)
             raise InputError(f"{option} {text!r}: {decimal}{','.join(parts)}? give each its unit")
-        values = [quantity(part, option=option, unit=unit) for part in parts]
+        values = [parse_quantity(part, option=option, unit=unit) for part in parts]
         return _require_distinct(values, f"{option} {text!r}")
     if len(ends) != 2 or not re.fullmatch(r"\s*\d{1,12}\s*", count, re.ASCII):
         raise InputError(f"{option} {text!r}: a range is first:last:count, such as 5:10:6um")
     if not 2 <= int(count) <= MAX_SPACED_VALUES:
         raise InputError(f"{option} {text!r}: the count must lie within 2 … {MAX_SPACED_VALUES}")
-    first, last = (quantity(f"{bound}{unit_of_all}", option=option, unit=unit) for bound in ends)
+    first, last = (
+        parse_quantity(f"{bound}{unit_of_all}", option=option, unit=unit) for bound in ends
+    )
     step = (last - first) / (int(count) - 1)
     values = [float(f"{first + step * number:.12g}") for number in range(int(count))]
     return _require_distinct(values, f"{option} {text!r}")
@@ -174,7 +189,7 @@ def error_text(error: float) -> str:
     return f"{round_up_error(error):#.2g}".removesuffix(".")
 
 
-def round_to_error(value: float, error: float) -> tuple[str, str]:
+def value_and_error_texts(value: float, error: float) -> tuple[str, str]:
     """A value up to the last digit of its error, and the error, rounded up to two digits.
 
     Three digits where the error is not known.
@@ -204,7 +219,7 @@ def split_unit(name: str) -> tuple[str, str]:
     return name, ""
 
 
-def unit_of_column(name: str) -> tuple[str, str]:
+def quantity_and_unit_of_column(name: str) -> tuple[str, str]:
     """Quantity of a column, and the unit that its name ends in: ``power_w`` in ``W``."""
     quantity, suffix = split_unit(name)
     above, *below = (

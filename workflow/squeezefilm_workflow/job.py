@@ -16,19 +16,22 @@ import pandas as pd
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import SUBSTITUTE_HANDLER, write_text
-from squeezefilm.parallel import showing_progress
+from squeezefilm.files import SUBSTITUTE_HANDLER_NAME, write_text
+from squeezefilm.parallel import show_progress
 from squeezefilm.tables import write_json, write_table
 
 # Variables of reynolds/device.py and studies/study.py, which take long to import.
-NODE_CACHE_VARIABLE, SMOOTHED_SCAN_VARIABLE = "SQUEEZEFILM_NODE_CACHE", "SQUEEZEFILM_SMOOTHED"
+NODE_CACHE_ENV_VARIABLE, SMOOTHED_SCAN_ENV_VARIABLE = (
+    "SQUEEZEFILM_NODE_CACHE",
+    "SQUEEZEFILM_SMOOTHED",
+)
 Job = Any
 """The object ``snakemake`` that Snakemake puts before a script's first line."""
 _terminal_streams: list[TextIO] = []
 """Where Snakemake was started from, beside the log: none before ``run``."""
 
 
-def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
+def run_script(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     """Run a script for a job of Snakemake, all of its output in the log of the job's rule.
 
     Snakemake fills no log by itself. A script that fails writes its error to the log and the last
@@ -42,8 +45,10 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     # On a cluster home directories are shared by nodes that may differ, over a network that may not
     # lock; profiles/ state this resource. Snakemake's tmpdir is that of the process.
     if snakemake.resources.get("node_cache"):
-        os.environ[NODE_CACHE_VARIABLE] = tempfile.gettempdir()
-    terminal = os.fdopen(os.dup(2), "w", encoding=sys.stderr.encoding, errors=SUBSTITUTE_HANDLER)
+        os.environ[NODE_CACHE_ENV_VARIABLE] = tempfile.gettempdir()
+    terminal = os.fdopen(
+        os.dup(2), "w", encoding=sys.stderr.encoding, errors=SUBSTITUTE_HANDLER_NAME
+    )
     _terminal_streams.append(terminal)
     with open(snakemake.log[0], "w") as log:  # in the encoding in which Snakemake shows it
         os.dup2(log.fileno(), 1)
@@ -51,12 +56,14 @@ def run(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     # Other programs write to the same log: a line stands there once it is printed.
     for stream in (sys.stdout, sys.stderr):
         assert isinstance(stream, io.TextIOWrapper)
-        stream.reconfigure(encoding=log.encoding, errors=SUBSTITUTE_HANDLER, line_buffering=True)
+        stream.reconfigure(
+            encoding=log.encoding, errors=SUBSTITUTE_HANDLER_NAME, line_buffering=True
+        )
     last = ""
     try:
         config = load_config(snakemake.config["study_file"])
         smoothed = results_folder(snakemake, config) / "profile/smoothed.npz"
-        os.environ[SMOOTHED_SCAN_VARIABLE] = str(smoothed)
+        os.environ[SMOOTHED_SCAN_ENV_VARIABLE] = str(smoothed)
         main(snakemake, config)
     except (InputError, RunError) as error:
         last = f"squeezefilm: error: {error}"
@@ -81,7 +88,7 @@ def print_result(text: str) -> None:
 @contextmanager
 def show_progress_on_terminal(name: str) -> Iterator[None]:
     """Show on the terminal how far a job is that takes long."""
-    with showing_progress(name, to=_terminal_streams[-1] if _terminal_streams else sys.stderr):
+    with show_progress(name, to=_terminal_streams[-1] if _terminal_streams else sys.stderr):
         yield
 
 
@@ -100,7 +107,7 @@ def results_folder(snakemake: Job, config: Study) -> Path:
     return Path(f"{str(snakemake.output[0]).partition(f'{name}/')[0]}{name}")
 
 
-def write(output: Any, **values: pd.DataFrame | dict[str, Any] | str) -> None:
+def write_outputs(output: Any, **values: pd.DataFrame | dict[str, Any] | str) -> None:
     """Write values by the names of a rule's outputs: tables, JSON objects, texts."""
     for name, value in values.items():
         if isinstance(value, pd.DataFrame):

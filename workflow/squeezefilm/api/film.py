@@ -15,16 +15,16 @@ from squeezefilm.api.forces import Force, forces_table, solve_forces
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import load_film, validated_sections
 from squeezefilm.errors import InputError, RunError, requires_extra
-from squeezefilm.film.positions import CARTESIAN, POLAR
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
-from squeezefilm.quantities.pressure import pressure
+from squeezefilm.quantities.pressure import gauge_pressure_and_change
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.study import scenes_of_table
 from squeezefilm.tables import FACTOR_COLUMNS, normalise_points, number_of_cell
-from squeezefilm.units import quantities
+from squeezefilm.units import parse_quantities
 
 if TYPE_CHECKING:
     import xarray
@@ -44,7 +44,7 @@ COLUMN_OF_FACTOR = {
     "phi": "phi_deg",
 }
 """What the factors are called where they are asked for, and their columns."""
-MAX_POINTS = 1_000_000
+MAX_POINT_COUNT = 1_000_000
 
 
 class Position(TypedDict, total=False):
@@ -80,14 +80,14 @@ def factor_combinations(
         for name, column in COLUMN_OF_FACTOR.items()
         if (values := given.get(name)) is not None
     }
-    if values_of.keys() & {*CARTESIAN} and values_of.keys() & {*POLAR}:
+    if values_of.keys() & {*CARTESIAN_COLUMNS} and values_of.keys() & {*POLAR_COLUMNS}:
         message = "give the position as {x} and {y} or as {phi_r} and {phi}, not both"
         raise InputError(message.format(**called))
     if "phi_deg" in values_of and "phi_r_m" not in values_of:
         message = "{phi} is a direction; give the distance from the centre by {phi_r} too"
         raise InputError(message.format(**called))
-    if (count := prod(map(len, values_of.values()))) > MAX_POINTS:
-        raise InputError(f"these make {count} points; at most {MAX_POINTS} are allowed")
+    if (count := prod(map(len, values_of.values()))) > MAX_POINT_COUNT:
+        raise InputError(f"these make {count} points; at most {MAX_POINT_COUNT} are allowed")
     return dict(zip(values_of, zip(*product(*values_of.values()), strict=True), strict=False))
 
 
@@ -104,7 +104,7 @@ def parse_factor_values(values: FactorValues, *, called: str, unit: str) -> list
     Raises InputError naming what they are called.
     """
     if isinstance(values, str):
-        return quantities(values, option=called, unit=unit)
+        return parse_quantities(values, option=called, unit=unit)
     numbers = [number_of_cell(value) for value in np.ravel(np.asarray(values, dtype=object))]
     if not numbers or not np.isfinite(numbers).all():
         raise InputError(
@@ -114,9 +114,9 @@ def parse_factor_values(values: FactorValues, *, called: str, unit: str) -> list
     return numbers
 
 
-PLACE_COUNT_RANGE, INSTANT_COUNT_RANGE = (3, 1001), (4, 1024)
+POINTS_PER_SIDE_RANGE, INSTANT_COUNT_RANGE = (3, 1001), (4, 1024)
 """The least and most of a pressure field, along a side and over a period."""
-DATASET_LABELS = {
+UNIT_AND_LABEL_OF_VARIABLE = {
     "gauge_pressure": ("Pa", "pressure above ambient"),
     "gap": ("m", "gap between surface and pad"),
     "phase": ("degree", "phase"),
@@ -138,11 +138,11 @@ class Film:
 
     Attributes:
         config: the sections ``gas``, ``actuator``, ``pad`` and ``solver`` of a study.
-        given: arguments of ``solver_settings`` instead of the study's.
+        given_settings: arguments of ``solver_settings`` instead of the study's.
     """
 
     config: FilmSections
-    given: Mapping[str, Any] = field(default_factory=dict)
+    given_settings: Mapping[str, Any] = field(default_factory=dict)
 
     @staticmethod
     def of(
@@ -159,7 +159,7 @@ class Film:
         ``gas``: name, inertia, thermal, rarefaction; ``solver``: tolerance, method.
 
         By default the gas is air at 20 °C, with inertia and thermal effects where they matter, the
-        pad a flat rectangle at rest and the relative tolerance 1e-6. The path of a measured
+        pad a flat rectangle at rest and the relative tolerance 1e-4. The path of a measured
         profile's file is relative to the working directory.
         Raises InputError naming the key, what is wrong with it and what is allowed.
 
@@ -210,7 +210,7 @@ class Film:
             >>> study.solver(tolerance=1e-4).tolerance
         """
         given = {name: value for name, value in given.items() if value is not None}
-        return solver_settings(self.config, **{**self.given, **given})
+        return solver_settings(self.config, **{**self.given_settings, **given})
 
     @property
     def scan(self) -> SmoothedScan | None:
@@ -243,7 +243,7 @@ class Film:
         Example:
             >>> len(study.scenes({"h0_m": [5e-6, 6e-6], "hv_m": [2e-6, 2e-6]}))
         """
-        return scenes_in(self._with_factor_columns(points), self.config)
+        return scenes_of_table(self._with_factor_columns(points), self.config)
 
     @staticmethod
     def _with_factor_columns(points: Any) -> Any:
@@ -386,7 +386,7 @@ class Film:
         with requires_extra("fields", what="a pressure field"):
             import xarray
         for name, value, least, most in (
-            ("places", places, *PLACE_COUNT_RANGE),
+            ("places", places, *POINTS_PER_SIDE_RANGE),
             ("instants", instants, *INSTANT_COUNT_RANGE),
             ("tolerance", tolerance, 1e-8, 0.1),
         ):
@@ -395,9 +395,9 @@ class Film:
         if instants % 2:
             raise InputError(f"instants: {instants} must be even")
         solver = self.solver(method="periodic")
-        (scene,) = solver.with_terms_decided([self.scene(h0, hv, **position)])
+        (scene,) = solver.with_auto_terms_decided([self.scene(h0, hv, **position)])
         across = np.linspace(0.0, 1.0, places)
-        gauge_pressure_ratio, change = pressure(
+        gauge_pressure_ratio, change = gauge_pressure_and_change(
             scene, x=across, y=across, instants=instants, tolerance=tolerance, device=self.device
         )
         phase = 2 * np.pi * np.arange(instants) / instants
@@ -427,7 +427,7 @@ class Film:
                 "comment": "change_pa: most that a pressure changed by in the last refinement",
             },
         )
-        for name, (unit, words) in DATASET_LABELS.items():
+        for name, (unit, words) in UNIT_AND_LABEL_OF_VARIABLE.items():
             field[name].attrs |= {"units": unit, "long_name": words}
         return field
 

@@ -14,26 +14,30 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import prefix_errors
-from squeezefilm.film.positions import CARTESIAN, columns_in_form, with_both_coordinates
+from squeezefilm.film.positions import (
+    CARTESIAN_COLUMNS,
+    columns_in_table_form,
+    with_both_coordinates,
+)
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.film.validity import validity
-from squeezefilm.formatting import DIMENSIONLESS_COLUMNS, result_lines, scene_row
+from squeezefilm.film.validity import validity_text
+from squeezefilm.formatting import DIMENSIONLESS_COLUMNS, result_lines_text, scene_row
 from squeezefilm.lazy import pd
-from squeezefilm.parallel import report_progress
+from squeezefilm.parallel import track_progress
 from squeezefilm.quantities.model_error import (
     ErrorBudget,
     budget_row,
     error_budgets,
-    unsupported_auto_terms,
+    unsupported_auto_term_texts,
 )
 from squeezefilm.reynolds import Solution, solve
-from squeezefilm.reynolds.device import Device, describe
+from squeezefilm.reynolds.device import Device, device_properties
 from squeezefilm.reynolds.dry_run import dry_run
-from squeezefilm.reynolds.kernel_cache import one_build_at_a_time
-from squeezefilm.reynolds.periodic.launch import build_kernels_of
+from squeezefilm.reynolds.kernel_cache import build_lock
+from squeezefilm.reynolds.periodic.launch import build_kernels_for_scene
 from squeezefilm.reynolds.terms import validity_notes
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
-from squeezefilm.studies.solver_settings import SolverSettings, device_of
+from squeezefilm.studies.solver_settings import SolverSettings, device_of_config
 from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
 
 if TYPE_CHECKING:
@@ -41,8 +45,8 @@ if TYPE_CHECKING:
     from squeezefilm.film.measured.smooth import SmoothedScan
 
 # Scenes solved together, whose states may be held.
-SCENES_PER_STATES_BATCH = 256
-NOT_REQUESTED = "not asked for"
+SCENES_PER_BATCH_WITH_STATES = 256
+NOT_REQUESTED_STATUS = "not asked for"
 SOLVER_CHOICE_COLUMNS = ["method", "domain", "terms", "status", "validity", "notes"]
 SCAN_ERROR_COLUMNS = ("misfit_n", "quadrature_n")
 """Parts of a force's uncertainty by a scan."""
@@ -129,7 +133,7 @@ class Force:
             **{name: getattr(self.solution, name) for name in SOLUTION_COLUMNS},
             **self.scan_columns,
             **(budget | {"budget_status": budget["status"], "status": self.status}),
-            **self.solution.requested_columns,
+            **self.solution.requested_row,
             "tolerance": self.tolerance,
             "device": self.device,
             "notes": [
@@ -139,7 +143,7 @@ class Force:
         }
 
     def __str__(self) -> str:
-        return result_lines(self.row)
+        return result_lines_text(self.row)
 
     __repr__ = __str__
 
@@ -158,20 +162,22 @@ def solve_forces(
         smoothed: the scan that their profile was measured in.
         budget: whether to estimate the modelling error too, from separate states.
     """
-    notes = [tuple(unsupported_auto_terms(scene, method=settings.method)) for scene in scenes]
+    notes = [tuple(unsupported_auto_term_texts(scene, method=settings.method)) for scene in scenes]
     (scenes, known_solutions), device = settings.solved(scenes), settings.device
-    solutions = solved_with(
+    solutions = solve_with_settings(
         scenes, settings=settings, derivatives=derivatives, known=known_solutions
     )
     known = np.flatnonzero(np.isfinite(solutions.force_n)).tolist()
     with_force = [scenes[k] for k in known]
-    reason = "no force to compare with" if budget else NOT_REQUESTED
+    reason = "no force to compare with" if budget else NOT_REQUESTED_STATUS
     beyond = dict.fromkeys(range(len(scenes)), ErrorBudget(status=reason))
     if budget:
         beyond |= dict(zip(known, error_budgets(with_force, device=device), strict=True))
 
     def solve_scenes(scenes: Sequence[Scene], **how: Any) -> Solutions:
-        return solved_with(scenes, settings=replace(settings, **how), derivatives=derivatives)
+        return solve_with_settings(
+            scenes, settings=replace(settings, **how), derivatives=derivatives
+        )
 
     errors = _scan_errors(with_force, smoothed, device=device, solved=solve_scenes)
     scans = dict(zip(known, errors, strict=False))
@@ -183,7 +189,7 @@ def solve_forces(
     ]
 
 
-def solved_with(
+def solve_with_settings(
     scenes: Scenes | Sequence[Scene],
     *,
     settings: SolverSettings,
@@ -202,24 +208,26 @@ def solved_with(
         report(len(known))
         rows, scenes = np.array(list(known)), Scenes.of(scenes)
         rest = np.delete(np.arange(len(scenes)), rows)
-        solutions = Solutions.of_method(settings.method, len(scenes))
-        solutions = solutions.with_rows(rows, Solutions.of(list(known.values())))
-        return solutions.with_rows(
+        solutions = Solutions.unsolved_of_method(settings.method, len(scenes))
+        solutions = solutions.with_replaced_rows(rows, Solutions.of(list(known.values())))
+        return solutions.with_replaced_rows(
             rest, solve(scenes[rest], **settings.solve_arguments, report=report)
         )
     from squeezefilm.quantities.derivatives import with_derivatives
     from squeezefilm.quantities.outputs import with_outputs
 
-    results = Solutions.of_method(settings.method, len(scenes))
+    results = Solutions.unsolved_of_method(settings.method, len(scenes))
     how: dict[str, Any] = {"tolerance": settings.tolerance, "device": settings.device}
-    for first in range(0, len(scenes), SCENES_PER_STATES_BATCH):
-        batch = scenes[first : first + SCENES_PER_STATES_BATCH]
+    for first in range(0, len(scenes), SCENES_PER_BATCH_WITH_STATES):
+        batch = scenes[first : first + SCENES_PER_BATCH_WITH_STATES]
         solved = solve(batch, **settings.solve_arguments, keep_states=True, report=report)
         if derivatives:
             solved = with_derivatives(batch, solved, **how)
         solved = with_outputs(batch, solved, outputs=settings.outputs, **how)
         rows = first + np.arange(len(batch))
-        results = results.with_rows(rows, solved.with_column("states", [()] * len(batch)))
+        results = results.with_replaced_rows(
+            rows, solved.with_replaced_column("states", [()] * len(batch))
+        )
     return results
 
 
@@ -235,12 +243,12 @@ def scan_error_function(
 def _scan_errors(
     scenes: Sequence[Scene], smoothed: SmoothedScan | None, **how: Any
 ) -> Sequence[Mapping[Any, float]]:
-    """The rows of ``scan_errors``; none without a scan."""
+    """The rows of ``scan_errors_table``; none without a scan."""
     if smoothed is None or not scenes:
         return []
-    from squeezefilm.studies.tasks.scan_errors import scan_errors
+    from squeezefilm.studies.tasks.scan_errors import scan_errors_table
 
-    return scan_errors(scenes, smoothed, **how).to_dict("records")
+    return scan_errors_table(scenes, smoothed, **how).to_dict("records")
 
 
 def forces_table(
@@ -262,8 +270,8 @@ def forces_table(
         points.insert(0, "point_id", [force.scene.point_id for force in forces])
     for force in forces:
         row = {name: getattr(force.solution, name) for name in names}
-        row |= {**force.scan_columns, **force.solution.requested_columns}
-        if force.budget.status != NOT_REQUESTED:
+        row |= {**force.scan_columns, **force.solution.requested_row}
+        if force.budget.status != NOT_REQUESTED_STATUS:
             least, most = force.modelling_error_percent
             row |= {"modelling_error_lower_percent": least, "modelling_error_upper_percent": most}
         rows.append(row)
@@ -272,10 +280,10 @@ def forces_table(
 
 def budget_table(table: pd.DataFrame, film: Film) -> pd.DataFrame:
     """Return a table of scenes with the modelling error of each force."""
-    scenes = film.solver().with_terms_decided(film.scenes(table))
+    scenes = film.solver().with_auto_terms_decided(film.scenes(table))
     budgets = error_budgets(scenes, device=film.device)
     rows = pd.DataFrame(list(map(budget_row, budgets)))
-    return pd.concat([table, rows.assign(validity=list(map(validity, scenes)))], axis=1)
+    return pd.concat([table, rows.assign(validity=list(map(validity_text, scenes)))], axis=1)
 
 
 def preview_table(
@@ -286,23 +294,23 @@ def preview_table(
     A row has a scene's numbers, method, domain, terms and first grid.
     """
     settings = film.solver()
-    scenes = settings.with_terms_decided(scenes)
+    scenes = settings.with_auto_terms_decided(scenes)
     rows = []
     expected = dry_run(scenes, tolerance=settings.tolerance, method=settings.method)
     for scene, row in zip(scenes, expected, strict=True):
-        factors = ("point_id", "h0_m", "hv_m", *CARTESIAN)
+        factors = ("point_id", "h0_m", "hv_m", *CARTESIAN_COLUMNS)
         row = {name: getattr(scene, name) for name in (*factors, *DIMENSIONLESS_COLUMNS)} | row
         absent = row.pop("absent")
         row |= {
-            "validity": validity(scene),
+            "validity": validity_text(scene),
             "absent_terms": "; ".join(term.name for term in absent),
             "absent_term_reasons": "; ".join(f"{term.name}: {term.reason}" for term in absent),
             "notes": "; ".join(validity_notes(scene)),
         }
         if settings.outputs:
-            from squeezefilm.quantities.outputs import missing_reasons
+            from squeezefilm.quantities.outputs import missing_output_reasons
 
-            refused = missing_reasons(scene, tolerance=settings.tolerance)
+            refused = missing_output_reasons(scene, tolerance=settings.tolerance)
             lacking = [f"{name}: {refused[name]}" for name in settings.outputs if name in refused]
             row["outputs_not_supported"] = "; ".join(lacking)
         rows.append(row)
@@ -330,11 +338,11 @@ ROWS_PER_WRITE = 4096
 
 def compile_kernels(config: Study) -> dict[str, Any]:
     """Compile the kernels of a study, so that jobs find them in the caches; name its device."""
-    device = device_of(config)
-    with one_build_at_a_time():
+    device = device_of_config(config)
+    with build_lock():
         # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
-        build_kernels_of(device, config.read_film().scene(h0_m=5e-6, hv_m=0.0))
-    facts = describe(device)
+        build_kernels_for_scene(device, config.read_film().scene(h0_m=5e-6, hv_m=0.0))
+    facts = device_properties(device)
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     return facts
 
@@ -365,14 +373,14 @@ def simulate_table(
     with prefix_errors(scenes):
         planned = film.scenes(table)
     settings = film.solver()
-    with one_build_at_a_time():
-        build_kernels_of(settings.device, planned[0])
+    with build_lock():
+        build_kernels_for_scene(settings.device, planned[0])
     failures: list[str] = []
     incomplete: list[str] = []
     seconds = 0.0
     times = table_writer(timings) if timings else nullcontext(lambda rows: None)
     with (
-        report_progress(len(table), unit="scene", name=str(scenes)) as bar,
+        track_progress(len(table), unit="scene", name=str(scenes)) as bar,
         table_writer(output) as write,
         times as write_times,
     ):
@@ -382,27 +390,27 @@ def simulate_table(
             start = time.perf_counter()
             how: dict[str, Any] = {"derivatives": derivatives, "report": bar.update}
             decided, known = settings.solved(batch)
-            solutions = solved_with(decided, settings=settings, known=known, **how)
+            solutions = solve_with_settings(decided, settings=settings, known=known, **how)
             wall = time.perf_counter() - start
-            columns = rows[columns_in_form(SCENE_COLUMNS, rows)]
+            columns = rows[columns_in_table_form(SCENE_COLUMNS, rows)]
             write(pd.concat([columns, solutions.to_frame(rows.index)], axis=1))
             # By floating-point operations, of which closed forms need none worth counting.
-            work = solutions.work
+            work = solutions.operation_count
             time_fractions = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
             write_times(rows[["point_id"]].assign(solve_s=wall * time_fractions))
             seconds += wall
             for point_id, solution in zip(rows["point_id"], solutions, strict=True):
-                if reason := missing_reason(solution):
+                if reason := missing_quantity_reason(solution):
                     missing = incomplete if solution.status == "ok" else failures
                     missing.append(f"point {point_id}: {reason}")
-    for note in unsupported_auto_terms(planned[0], method=settings.method):
+    for note in unsupported_auto_term_texts(planned[0], method=settings.method):
         print(note, file=sys.stderr)
     count = len(table) - len(failures)
     print(f"{count} of {len(table)} scenes solved in {seconds:.3f} s", file=sys.stderr)
     return failures, incomplete
 
 
-def missing_reason(solution: Solution) -> str:
+def missing_quantity_reason(solution: Solution) -> str:
     """Return the reason for a missing force or a missing quantity beside it, or an empty text."""
     asked = (solution, solution.derivatives, solution.outputs)
     return next((result.status for result in asked if result and result.status != "ok"), "")

@@ -8,17 +8,17 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.api.film import Film
-from squeezefilm.api.forces import Force, solved_with
+from squeezefilm.api.forces import Force, solve_with_settings
 from squeezefilm.config.study import Study
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
-from squeezefilm.quantities.derivatives import with_number_changed
+from squeezefilm.quantities.derivatives import scene_with_quantity_changed
 from squeezefilm.studies.solver_settings import SolverSettings
-from squeezefilm.studies.study import measured_points
+from squeezefilm.studies.study import measured_force_table
 
 # Probability of χ² below which differences count as larger than their uncertainty; and how many
 # standard uncertainties above which the difference of a single point is named.
-MIN_CHI_SQUARE_PROBABILITY, MAX_UNCERTAINTIES_APART = 0.05, 2.0
+MIN_CHI_SQUARE_PROBABILITY, MAX_RESIDUAL_OVER_UNCERTAINTY = 0.05, 2.0
 # Columns of what makes the uncertainty of a measured force.
 FORCE_UNCERTAINTY_COLUMNS = [f"force_uncertainty{part}_n" for part in ("", "_h0", "_hv")]
 
@@ -34,7 +34,7 @@ def compare_measurements(config: Study) -> pd.DataFrame:
 
     Raises InputError for a wrong table of measurements.
     """
-    points, film = measured_points(config), Film(config, {"outputs": ()})
+    points, film = measured_force_table(config), Film(config, {"outputs": ()})
     forces = film.solved(film.scenes(points), budget=True)
     computed = pd.DataFrame(
         [_computed_force_columns(force) for force in forces], index=points.index
@@ -71,11 +71,11 @@ def _propagated_uncertainty_n(
     parts_n = np.array([0.0 * force.force_n for force in forces])
     rows = np.flatnonzero((off_m > 0) & np.isfinite(parts_n)).tolist()
     ends = [
-        with_number_changed(forces[k].scene, name, sign * off_m[k])
+        scene_with_quantity_changed(forces[k].scene, name, sign * off_m[k])
         for sign in (1, -1)
         for k in rows
     ]
-    more, less = solved_with(ends, settings=settings).force_n.reshape(2, -1)
+    more, less = solve_with_settings(ends, settings=settings).force_n.reshape(2, -1)
     parts_n[rows] = np.abs(more - less) / 2
     return parts_n
 
@@ -124,8 +124,8 @@ def chi_square_summary(table: pd.DataFrame) -> dict[str, Any]:
     elif chance >= MIN_CHI_SQUARE_PROBABILITY:
         worth = "within measurement uncertainty"
     elif chance_beyond < MIN_CHI_SQUARE_PROBABILITY:
-        names = ", ".join(off.index[off > MAX_UNCERTAINTIES_APART]) or "no single point"
-        most = f"by more than {MAX_UNCERTAINTIES_APART:g} uncertainties at {names}"
+        names = ", ".join(off.index[off > MAX_RESIDUAL_OVER_UNCERTAINTY]) or "no single point"
+        most = f"by more than {MAX_RESIDUAL_OVER_UNCERTAINTY:g} uncertainties at {names}"
         worth = f"{larger} and the known errors of the computed forces, {most}"
     else:
         scan = "and the uncertainty of the scan " * bool(solved["profile_uncertainty_n"].any())

@@ -20,10 +20,10 @@ from squeezefilm.api.film import (
 from squeezefilm.config import study
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError, RunError, prefix_errors
-from squeezefilm.formatting import result_lines
+from squeezefilm.formatting import result_lines_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds import solve
-from squeezefilm.tables import FACTOR_COLUMNS, failed_points, normalise_points, write_json
+from squeezefilm.tables import FACTOR_COLUMNS, failed_point_texts, normalise_points, write_json
 
 if TYPE_CHECKING:
     from squeezefilm.models.fit_file import FittedModel
@@ -108,12 +108,12 @@ class Fit:
         Example:
             >>> fit.predict_at(pd.DataFrame({"h0_m": [6e-6], "hv_m": [1e-6]}))["force_n"]
         """
-        from squeezefilm.models.data import factors_of
+        from squeezefilm.models.data import factors_of_table
 
         fit = self.model
         with prefix_errors(place):
             points = _points_with_factor_columns(points, needed=FACTOR_COLUMNS[:2])
-            factors = fit.folded(factors_of(points))
+            factors = fit.folded(factors_of_table(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -123,7 +123,7 @@ class Fit:
             error_95_n=error_95_n,
             error_99_n=error_99_n,
             error_95_percent=percent,
-            **fit.profile_uncertainty_percent,
+            **fit.profile_uncertainty_column,
             validity=fit.validity(factors),
             note=notes,
         )
@@ -153,17 +153,17 @@ class Fit:
         Example:
             >>> fit.amplitudes_for(pd.DataFrame({"h0_m": [5e-6, 6e-6]}), "0.2 N")["hv_m"]
         """
-        from squeezefilm.models.data import factors_of
-        from squeezefilm.models.fit_file import amplitude_for
+        from squeezefilm.models.data import factors_of_table
+        from squeezefilm.models.fit_file import amplitude_row
 
         forces_n = parse_factor_values(force, called="force", unit="N")
         if len(forces_n) != 1:
             raise InputError(f"force: {force!r} are several; one is asked for")
         with prefix_errors("amplitude-for"):
             points = _points_with_factor_columns(points, needed=FACTOR_COLUMNS[:1])
-            factors = factors_of(points.assign(hv_m=0.0))
+            factors = factors_of_table(points.assign(hv_m=0.0))
         rows = [
-            amplitude_for(self.model, factors.take([index]), force_n=forces_n[0])
+            amplitude_row(self.model, factors.take([index]), force_n=forces_n[0])
             for index in range(len(factors))
         ]
         return pd.concat([points, pd.DataFrame(rows)], axis=1)
@@ -219,7 +219,9 @@ class Fit:
         theta |= {"parameters": "; ".join(fit.parameter_notes)} if fit.parameter_notes else {}
         formula = f"{self.name}: {fit.force_model.expression}"
         row = {"formula": formula, **theta, "fitted_points": fit.points}
-        return result_lines(row | {"global_error": fit.global_error, "validation": self.statement})
+        return result_lines_text(
+            row | {"global_error": fit.global_error, "validation": self.statement}
+        )
 
     __repr__ = __str__
 
@@ -254,10 +256,10 @@ class Study(Film):
         Example:
             >>> len(study.plan(centred=True))
         """
-        from squeezefilm.studies.plans import scenes_of
+        from squeezefilm.studies.plans import plan_scenes_table
 
-        screen = scenes_of("screen", self.config)
-        return screen if centred else scenes_of("four_factor", self.config, design=screen)
+        screen = plan_scenes_table("screen", self.config)
+        return screen if centred else plan_scenes_table("four_factor", self.config, design=screen)
 
     def fit(self, model: str, *, seeds: int = 1, processes: int = 1) -> Fit:
         """Simulate the study's plan, fit a model to the forces and validate it.
@@ -286,8 +288,8 @@ class Study(Film):
             raise InputError(f"seeds: {seeds} must be 1 or more")
         config = self.config
         chosen = get_model(model, config.models, source=config.path)
-        forces, sample = self._simulated(centred=chosen.is_centred)
-        for failure in failed_points(forces):
+        forces, sample = self._plan_and_sample_forces(centred=chosen.is_centred)
+        for failure in failed_point_texts(forces):
             raise RunError(failure)
         fitted, _ = fit_to_forces(
             chosen,
@@ -301,15 +303,15 @@ class Study(Film):
         )
         return Fit(fitted)
 
-    def _simulated(self, *, centred: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
+    def _plan_and_sample_forces(self, *, centred: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
         """The plan and the validation sample with their forces; simulated once for all models."""
-        from squeezefilm.studies.plans import VALIDATION_SAMPLES, scenes_of
+        from squeezefilm.studies.plans import VALIDATION_SAMPLE_PLANS, plan_scenes_table
 
-        if centred not in self._simulations:
-            sample = scenes_of(VALIDATION_SAMPLES[0 if centred else 1], self.config)
+        if centred not in self._forces_cache:
+            sample = plan_scenes_table(VALIDATION_SAMPLE_PLANS[0 if centred else 1], self.config)
             points = self.plan(centred=centred)
-            self._simulations[centred] = self._solved(points), self._solved(sample)
-        return self._simulations[centred]
+            self._forces_cache[centred] = self._solved(points), self._solved(sample)
+        return self._forces_cache[centred]
 
     @cached_property
     def _limit_table(self) -> dict[str, Any]:
@@ -318,13 +320,13 @@ class Study(Film):
         return limit_table_values(self.config)
 
     @cached_property
-    def _simulations(self) -> dict[bool, tuple[pd.DataFrame, pd.DataFrame]]:
+    def _forces_cache(self) -> dict[bool, tuple[pd.DataFrame, pd.DataFrame]]:
         return {}
 
     def _solved(self, points: pd.DataFrame) -> pd.DataFrame:
         """The points with their forces."""
         settings = self.solver(outputs=())
-        scenes = settings.with_terms_decided(self.scenes(points))
+        scenes = settings.with_auto_terms_decided(self.scenes(points))
         forces = solve(scenes, **settings.solve_arguments).to_frame(points.index)
         return points.assign(**forces[["force_n", "force_error_n", "status", "absent_terms"]])
 

@@ -20,16 +20,16 @@ class Points(pd.DataFrame):
         return Points
 
     def __repr__(self) -> str:
-        with _without_truncation():
+        with _untruncated_display():
             return str(super().__repr__())
 
     def _repr_html_(self) -> str | None:
-        with _without_truncation():
+        with _untruncated_display():
             html: str | None = super()._repr_html_()  # type: ignore[misc]
             return html
 
 
-def _without_truncation() -> AbstractContextManager[None]:
+def _untruncated_display() -> AbstractContextManager[None]:
     number = pd.get_option("display.float_format") or "{:.6g}".format
     whole = ("display.width", MAX_COLUMN_CHARACTERS, "display.max_columns", None)
     return pd.option_context(*whole, "display.float_format", number)

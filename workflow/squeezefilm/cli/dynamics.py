@@ -20,29 +20,29 @@ from squeezefilm.cli.options import (
     points_of_options,
     points_unless_scenes_table,
     result_text,
-    study_column,
-    table_output,
-    write_rows,
+    study_name_column,
+    table_output_option,
+    write_or_print_rows,
 )
 from squeezefilm.dynamics.levitation import levitation_rows, levitation_table, valid_range_text
-from squeezefilm.dynamics.response import gain_table, responses, start_and_stop_table
+from squeezefilm.dynamics.response import gain_table, response_table, start_and_stop_table
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.validity import GAP_RANGE_M, OK
 from squeezefilm.formatting import scene_row, value_text
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import print_step
 from squeezefilm.tables import read_scenes, write_table
-from squeezefilm.units import quantities, quantity
+from squeezefilm.units import parse_quantities, parse_quantity
 
-AMPLITUDE_RANGE_M = (1e-9, 1e-4)
+DEFAULT_AMPLITUDE_RANGE_M = (1e-9, 1e-4)
 GRAVITY_M_PER_S2 = 9.80665
-DEFAULT_FREQUENCIES = "10Hz,30Hz,100Hz,300Hz,1000Hz"
+DEFAULT_FREQUENCIES_TEXT = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
 @command(
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1:1:10N"),
     option("--mass", "QUANTITY", "levitated mass, e.g. 50g, for the resonance"),
-    table_output(
+    table_output_option(
         "--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"
     ),
     *SOLVER_OPTIONS,
@@ -77,18 +77,20 @@ def levitate(options: argparse.Namespace) -> None:
     resonance. Of several loads each gap is told on stderr as soon as it is known.
     """
     film = film_of_options(options)
-    mass_kg = None if options.mass is None else quantity(options.mass, option="--mass", unit="kg")
+    mass_kg = (
+        None if options.mass is None else parse_quantity(options.mass, option="--mass", unit="kg")
+    )
     if mass_kg is not None and mass_kg <= 0:
         raise InputError(f"--mass {options.mass!r} must be positive")
     loads_n = [] if mass_kg is None else [GRAVITY_M_PER_S2 * mass_kg]
     if options.load is not None:
-        loads_n = quantities(options.load, option="--load", unit="N")
+        loads_n = parse_quantities(options.load, option="--load", unit="N")
     if options.hv is None or not loads_n:
         raise InputError("give --load and --hv, or --mass and --hv")
     if min(loads_n) <= 0:
         raise InputError(f"--load {options.load!r} must be positive")
     points = points_of_options(options, times=len(loads_n))
-    least, most = AMPLITUDE_RANGE_M
+    least, most = DEFAULT_AMPLITUDE_RANGE_M
     for hv_m in points["hv_m"]:
         if not least <= hv_m <= most:
             raise InputError(
@@ -104,13 +106,13 @@ def levitate(options: argparse.Namespace) -> None:
     for row in levitation_rows(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg):
         rows.append(row)
         if not alone:
-            print_step(_levitation_line(row))
+            print_step(_levitation_text(row))
     if scan is not None:
         without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     if not alone:
         table = levitation_table(rows, resonances=mass_kg is not None)
-        write_rows(table.assign(**study_column(options)), options)
+        write_or_print_rows(table.assign(**study_name_column(options)), options)
         return
     status = rows[0]["status"]
     if options.json or status == OK:
@@ -119,7 +121,7 @@ def levitate(options: argparse.Namespace) -> None:
         raise RunError(f"{status}; {valid_range_text(scenes[0], **how)}")
 
 
-def _levitation_line(row: dict[str, Any]) -> str:
+def _levitation_text(row: dict[str, Any]) -> str:
     """A row in a line, told as soon as it is known."""
     load, hv = value_text(row["load_n"], "N"), value_text(row["hv_m"], "m")
     if row["status"] != OK:
@@ -130,9 +132,9 @@ def _levitation_line(row: dict[str, Any]) -> str:
 
 @command(
     SCENES_ARGUMENT,
-    table_output("--output", "RESPONSE.csv", "table to write, a row per scene"),
-    table_output("--gains", "GAINS.csv", "table to write, a row per scene and frequency"),
-    table_output(
+    table_output_option("--output", "RESPONSE.csv", "table to write, a row per scene"),
+    table_output_option("--gains", "GAINS.csv", "table to write, a row per scene and frequency"),
+    table_output_option(
         "--steps",
         "STEPS.csv",
         "table to write of the mean force after start and stop, a row per scene and time",
@@ -140,8 +142,8 @@ def _levitation_line(row: dict[str, Any]) -> str:
     option(
         "--frequencies",
         "QUANTITY",
-        f"of the modulation: several with commas, or first:last:count; {DEFAULT_FREQUENCIES}",
-        default=DEFAULT_FREQUENCIES,
+        f"of the modulation: several with commas, or first:last:count; {DEFAULT_FREQUENCIES_TEXT}",
+        default=DEFAULT_FREQUENCIES_TEXT,
     ),
     *FILM_OPTIONS,
     factor_options(many=False),
@@ -171,7 +173,9 @@ def response(options: argparse.Namespace) -> None:
     """
     film = film_of_options(options)
     points, alone = points_unless_scenes_table(options), options.scenes is None
-    frequency_hz = np.array(quantities(options.frequencies, option="--frequencies", unit="Hz"))
+    frequency_hz = np.array(
+        parse_quantities(options.frequencies, option="--frequencies", unit="Hz")
+    )
     table = pd.DataFrame(points) if alone else read_scenes(options.scenes)
     if alone and len(table) > 1:
         raise InputError("give a table of scenes, or one scene by --h0 and --hv")
@@ -183,7 +187,7 @@ def response(options: argparse.Namespace) -> None:
         gained = gain_table(table, scenes, frequency_hz)
     if alone or options.output is not None:
         solver = film.solver()
-        table_of_responses = responses(
+        table_of_responses = response_table(
             table, scenes, tolerance=solver.tolerance, device=solver.device
         )
         if alone and table_of_responses["status"].iloc[0] != OK:
@@ -199,7 +203,7 @@ def response(options: argparse.Namespace) -> None:
             row["equation"] = f"period-averaged {row['equation']}"
             print(result_text(row, options))
         else:
-            write_rows(table_of_responses, options)
+            write_or_print_rows(table_of_responses, options)
     if options.gains is not None:
         write_table(gained, options.gains)
     if options.steps is not None:

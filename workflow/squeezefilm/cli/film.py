@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 
-from squeezefilm.api.film import INSTANT_COUNT_RANGE, PLACE_COUNT_RANGE, Film
+from squeezefilm.api.film import INSTANT_COUNT_RANGE, POINTS_PER_SIDE_RANGE, Film
 from squeezefilm.api.forces import (
     budget_table,
     forces_table,
-    missing_reason,
+    missing_quantity_reason,
     preview_table,
     simulate_table,
 )
@@ -20,24 +20,24 @@ from squeezefilm.cli.options import (
     OUTPUT_OPTION,
     SCENES_ARGUMENT,
     SOLVER_OPTIONS,
-    check_json,
+    check_json_option,
     command,
     factor_options,
     film_of_options,
-    flag,
+    flag_option,
     option,
     points_unless_scenes_table,
     result_text,
-    study_column,
-    table_output,
-    write_rows,
+    study_name_column,
+    table_output_option,
+    write_or_print_rows,
 )
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.files import atomic_file
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.quantities.model_error import budget_row
-from squeezefilm.solution import OUTPUTS
+from squeezefilm.solution import OUTPUT_COLUMNS
 from squeezefilm.tables import read_scenes, write_table
 
 MODELLING_ERROR_COLUMNS = ("modelling_error_lower_percent", "modelling_error_upper_percent")
@@ -45,12 +45,14 @@ MODELLING_ERROR_COLUMNS = ("modelling_error_lower_percent", "modelling_error_upp
 
 @command(
     SCENES_ARGUMENT,
-    table_output("--output", "FORCES.csv", "table of forces to write"),
+    table_output_option("--output", "FORCES.csv", "table of forces to write"),
     *SOLVER_OPTIONS,
-    flag("--dry-run", "show how scenes would be solved, and solve nothing"),
-    flag("--derivatives", "derivatives of the force too, by each quantity of a scene"),
-    flag("--budget", "the modelling error too, as columns of several points; its parts in --json"),
-    option("--outputs", "NAME,…", f"further quantities, of {', '.join(OUTPUTS)}, or all"),
+    flag_option("--dry-run", "show how scenes would be solved, and solve nothing"),
+    flag_option("--derivatives", "derivatives of the force too, by each quantity of a scene"),
+    flag_option(
+        "--budget", "the modelling error too, as columns of several points; its parts in --json"
+    ),
+    option("--outputs", "NAME,…", f"further quantities, of {', '.join(OUTPUT_COLUMNS)}, or all"),
     factor_options(),
 )
 def simulate(options: argparse.Namespace) -> None:
@@ -105,7 +107,7 @@ def simulate(options: argparse.Namespace) -> None:
         with prefix_errors(path):
             scenes = film.scenes(read_scenes(path) if path else points)
         table, rows = preview_table(scenes, film)
-        check_json(options, len(table))
+        check_json_option(options, len(table))
         if options.output is not None:
             write_table(table, options.output)
         print(*(result_text(row, options) for row in rows), sep="\n\n")
@@ -135,13 +137,13 @@ def _simulate_given_points(
         print(result_text(row, options))
     else:
         table = forces_table(pd.DataFrame(points), forces, whole=bool(options.output))
-        write_rows(table.assign(**study_column(options)), options)
+        write_or_print_rows(table.assign(**study_name_column(options)), options)
         for warning in film.scan.warnings if film.scan else ():
             print(warning, file=sys.stderr)
     failures = [
         f"row {row}: {reason}" if len(forces) > 1 else reason
         for row, force in enumerate(forces, start=1)
-        if (reason := missing_reason(force.solution))
+        if (reason := missing_quantity_reason(force.solution))
     ]
     if alone and forces[0].validity != OK:
         failures.append(f"outside the limits of validity: {forces[0].validity}")
@@ -188,14 +190,18 @@ def error_budget(options: argparse.Namespace) -> None:
     """
     points, film = points_unless_scenes_table(options), film_of_options(options)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)
-    write_rows(budget_table(scenes, film), options)
+    write_or_print_rows(budget_table(scenes, film), options)
 
 
 @command(
     CONFIG_OPTION,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
     option(
-        "--places", None, "points a side, {} to {}".format(*PLACE_COUNT_RANGE), type=int, default=41
+        "--places",
+        None,
+        "points a side, {} to {}".format(*POINTS_PER_SIDE_RANGE),
+        type=int,
+        default=41,
     ),
     option(
         "--instants",

@@ -17,8 +17,8 @@ from typing import NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import enable_substitutes
-from squeezefilm.parallel import showing_progress
+from squeezefilm.files import enable_ascii_substitutes
+from squeezefilm.parallel import show_progress
 
 CommandGroups = Mapping[str, Mapping[str, str]]
 
@@ -41,9 +41,9 @@ COMMAND_GROUPS: CommandGroups = {
 INTERRUPTED_MESSAGE = "squeezefilm: interrupted\n"
 # Threads of NumPy's libraries wait for each other where the solver's keep all cores busy: the
 # modes of one ellipse (terms/outline.py) took 14 s on two threads and 0.2 s on one.
-THREAD_VARIABLES = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
+THREAD_COUNT_ENV_VARIABLES = "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 # Else pydantic reads the metadata of every installed package for plugins of its own.
-DISABLE_PYDANTIC_PLUGINS = "PYDANTIC_DISABLE_PLUGINS", "__all__"
+PYDANTIC_PLUGINS_ENV_SETTING = "PYDANTIC_DISABLE_PLUGINS", "__all__"
 # Containers made since the last search for garbage that start the next; by Python's 700 the import
 # of PyOpenCL alone starts thirty.
 GARBAGE_COLLECTION_THRESHOLD = 50_000
@@ -67,7 +67,7 @@ SYNONYMS_OF_OPTION = {
 COMMAND_NAME_WIDTH, OVERVIEW_WIDTH = 18, 100
 
 
-def modules_of_commands(groups: CommandGroups = COMMAND_GROUPS) -> dict[str, str]:
+def module_of_command(groups: CommandGroups = COMMAND_GROUPS) -> dict[str, str]:
     """The place of every command by its name; a package that is not installed has none.
 
     What shows a finished study lies beside the library in a checkout, and not in its wheel.
@@ -98,7 +98,7 @@ def main(arguments: Sequence[str] | None = None, *, groups: CommandGroups = COMM
     The status is 0 for done, 1 for what could not be completed, 2 for invalid input, 130 after
     Ctrl-C, at which the loading of a command ends in one line as well.
     """
-    enable_substitutes(sys.stdout, sys.stderr)
+    enable_ascii_substitutes(sys.stdout, sys.stderr)
     try:
         return _run_command(sys.argv[1:] if arguments is None else arguments, groups=groups)
     except KeyboardInterrupt:
@@ -112,12 +112,12 @@ def main(arguments: Sequence[str] | None = None, *, groups: CommandGroups = COMM
 
 
 def _run_command(arguments: Sequence[str], *, groups: CommandGroups) -> int:
-    commands, chosen = modules_of_commands(groups), arguments[0] if arguments else ""
+    commands, chosen = module_of_command(groups), arguments[0] if arguments else ""
     if chosen not in commands:
-        _print_help(arguments, commands, overview=overview(groups))
-    for name in THREAD_VARIABLES:
+        _print_help_and_exit(arguments, commands, overview=overview_text(groups))
+    for name in THREAD_COUNT_ENV_VARIABLES:
         os.environ.setdefault(name, "1")
-    os.environ.setdefault(*DISABLE_PYDANTIC_PLUGINS)
+    os.environ.setdefault(*PYDANTIC_PLUGINS_ENV_SETTING)
     # No module is garbage before the process ends, and a search for it takes a quarter of the time
     # of a small command.
     gc.disable()
@@ -141,10 +141,12 @@ def _run_command(arguments: Sequence[str], *, groups: CommandGroups) -> int:
     if not unknown:
         options, unknown = parser.parse_known_args(words)
     if unknown:
-        hint = _option_hint(unknown[0], known) or _nearest_name(unknown[0].partition("=")[0], known)
+        hint = _option_hint(unknown[0], known) or _nearest_name_hint(
+            unknown[0].partition("=")[0], known
+        )
         what = f"takes no {unknown[0]!r}; {hint}`{parser.prog} --help` explains what it takes"
         parser.error(what)
-    with showing_progress(parser.prog):
+    with show_progress(parser.prog):
         return int(command.run(options) or 0)
 
 
@@ -159,7 +161,9 @@ def join_negative_values(arguments: Sequence[str]) -> list[str]:
     return joined
 
 
-def _print_help(arguments: Sequence[str], commands: Iterable[str], *, overview: str) -> NoReturn:
+def _print_help_and_exit(
+    arguments: Sequence[str], commands: Iterable[str], *, overview: str
+) -> NoReturn:
     """Answer --help, --version or an unknown command."""
     parser = argparse.ArgumentParser(
         prog="squeezefilm",
@@ -170,7 +174,7 @@ def _print_help(arguments: Sequence[str], commands: Iterable[str], *, overview: 
     )
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
     if arguments and not arguments[0].startswith("-"):
-        hint = _nearest_name(arguments[0], commands)
+        hint = _nearest_name_hint(arguments[0], commands)
         parser.error(f"there is no command {arguments[0]!r}; {hint}`squeezefilm --help` names all")
     parser.parse_args(arguments)
     parser.error("which command? `squeezefilm --help` names them")
@@ -191,7 +195,7 @@ def _option_hint(word: str, known: Sequence[str]) -> str:
     return f"did you mean {near}? " if near else ""
 
 
-def _nearest_name(word: str, known: Iterable[str]) -> str:
+def _nearest_name_hint(word: str, known: Iterable[str]) -> str:
     import difflib
 
     near = difflib.get_close_matches(word.lower(), [*known], n=1)
@@ -216,9 +220,9 @@ def _exit_on_interrupt() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def overview(groups: CommandGroups) -> str:
+def overview_text(groups: CommandGroups) -> str:
     """Every command with a line about it, in groups."""
-    known = modules_of_commands(groups)
+    known = module_of_command(groups)
     lines = []
     for title, modules in groups.items():
         there = [name for names in modules.values() for name in names.split() if name in known]

@@ -11,16 +11,16 @@ from squeezefilm.cli.options import (
     factor_options,
     option,
     points_of_options,
-    write_rows,
+    write_or_print_rows,
 )
 from squeezefilm.columns import unregistered_columns
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
-from squeezefilm.film.positions import CARTESIAN
+from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.models.export import NAN_OF_LANGUAGE
-from squeezefilm.models.fit_file import FILM_UNKNOWN
+from squeezefilm.models.fit_file import FILM_UNKNOWN_TEXT
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_columns
 
 
@@ -54,17 +54,17 @@ def predict(options: argparse.Namespace) -> None:
         needed, source = ("h0_m", "hv_m"), options.points
         table = read_columns(source, columns=needed, optional=FACTOR_COLUMNS)
         # Results of the points, which the table may have, are not the model's.
-        kept = {*SCENE_COLUMNS, *CARTESIAN, *unregistered_columns(map(str, table))}
+        kept = {*SCENE_COLUMNS, *CARTESIAN_COLUMNS, *unregistered_columns(map(str, table))}
         table = table[[name for name in table if name in kept]]
     else:
         table, source = pd.DataFrame(points_of_options(options)), "predict"
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=source)
-    write_rows(predicted, options, given=table.columns, **fit.about)
+    write_or_print_rows(predicted, options, given=table.columns, **fit.about)
     valid = predicted["validity"].iloc[0]
     alone = len(predicted) == 1 and not (options.points or options.output)
-    if alone and valid not in (OK, FILM_UNKNOWN):
+    if alone and valid not in (OK, FILM_UNKNOWN_TEXT):
         raise RunError(f"outside the limits of validity: {valid}")
 
 
@@ -89,7 +89,7 @@ def amplitude_for(options: argparse.Namespace) -> None:
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
     points = pd.DataFrame(points_of_options(options))
-    write_rows(fit.amplitudes_for(points, options.force), options, **fit.about)
+    write_or_print_rows(fit.amplitudes_for(points, options.force), options, **fit.about)
 
 
 @command(

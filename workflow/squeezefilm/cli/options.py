@@ -15,13 +15,13 @@ from squeezefilm.api.film import Film, factor_combinations
 from squeezefilm.columns import error_columns
 from squeezefilm.config.loading import load_film
 from squeezefilm.errors import InputError
-from squeezefilm.formatting import json_text, result_lines
+from squeezefilm.formatting import json_text, result_lines_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import checked_table_path, write_table
-from squeezefilm.units import error_text, round_to_error
+from squeezefilm.units import error_text, value_and_error_texts
 
-PAPER_CONFIG = Path(__file__).parents[3] / "config" / "paper.yaml"
+PAPER_CONFIG_PATH = Path(__file__).parents[3] / "config" / "paper.yaml"
 """Where the library lies in a checkout; an installed one has no study of its own."""
 HELP_OF_FACTOR = {
     "h0": "mean gap, e.g. 5um",
@@ -50,12 +50,12 @@ def option(name: str, metavar: str | None = None, help: str = "", **how: Any) ->
     return lambda parser: [parser.add_argument(name, metavar=metavar, help=help, **how)]
 
 
-def table_output(name: str, metavar: str, help: str, **how: Any) -> OptionAdder:
+def table_output_option(name: str, metavar: str, help: str, **how: Any) -> OptionAdder:
     """An option for a table to write, whose name is checked before anything is solved."""
     return option(name, metavar, help, type=checked_table_path, **how)
 
 
-def flag(name: str, help: str) -> OptionAdder:
+def flag_option(name: str, help: str) -> OptionAdder:
     """An option without a value."""
     return lambda parser: [parser.add_argument(name, action="store_true", help=help)]
 
@@ -84,13 +84,15 @@ TOLERANCE_OPTION = option(
     "--tolerance", help="instead of the config's solver.tolerance", type=float
 )
 METHOD_OPTION = option("--method", help="instead of the config's solver.method", choices=METHODS)
-JSON_OPTION = flag("--json", "print one point as a JSON object; keys: docs/reference/columns.md")
+JSON_OPTION = flag_option(
+    "--json", "print one point as a JSON object; keys: docs/reference/columns.md"
+)
 SOLVER_OPTIONS = (CONFIG_OPTION, TOLERANCE_OPTION, METHOD_OPTION, DEVICE_OPTION, JSON_OPTION)
 FILM_OPTIONS = (CONFIG_OPTION, DEVICE_OPTION, JSON_OPTION)
 FIT_ARGUMENT = option("fit", "FIT.json", "the fitted model")
 FORCES_ARGUMENT = option("forces", "FORCES.csv", "simulated forces")
 SCENES_ARGUMENT = option("scenes", "SCENES.csv", "table of scenes", nargs="?")
-OUTPUT_OPTION = table_output(
+OUTPUT_OPTION = table_output_option(
     "--output", "TABLE.csv", "table to write; without it the table is shown"
 )
 RESULT_OPTIONS = (OUTPUT_OPTION, JSON_OPTION)
@@ -101,10 +103,10 @@ def film_of_options(options: argparse.Namespace, outputs: Sequence[str] | None =
 
     Raises InputError where none is named and there is none, and as ``load_film`` does.
     """
-    if options.config is None and not PAPER_CONFIG.exists():
+    if options.config is None and not PAPER_CONFIG_PATH.exists():
         raise InputError("give a study by --config CONFIG.yaml")
     given = {name: getattr(options, name, None) for name in ("tolerance", "method", "device")}
-    config = load_film(options.config or PAPER_CONFIG)
+    config = load_film(options.config or PAPER_CONFIG_PATH)
     return Film(config, given | {"outputs": outputs})
 
 
@@ -119,7 +121,7 @@ def points_of_options(options: argparse.Namespace, times: int = 1) -> dict[str, 
     columns = factor_combinations(
         option="--{}", **{name: getattr(options, name, None) for name in HELP_OF_FACTOR}
     )
-    check_json(options, times * len(next(iter(columns.values()), ())))
+    check_json_option(options, times * len(next(iter(columns.values()), ())))
     return columns
 
 
@@ -134,12 +136,12 @@ def points_unless_scenes_table(options: argparse.Namespace) -> dict[str, tuple[f
     return points
 
 
-def study_column(options: argparse.Namespace) -> dict[str, str]:
+def study_name_column(options: argparse.Namespace) -> dict[str, str]:
     """The column of a table for ``--output`` that names the study; none for one that is printed."""
-    return {"study": Path(options.config or PAPER_CONFIG).stem} if options.output else {}
+    return {"study": Path(options.config or PAPER_CONFIG_PATH).stem} if options.output else {}
 
 
-def check_json(options: argparse.Namespace, count: int) -> None:
+def check_json_option(options: argparse.Namespace, count: int) -> None:
     """Raise InputError where ``--json`` is given for other than one point, or with a table."""
     if getattr(options, "json", False) and (count > 1 or options.output):
         raise InputError("--json prints one point: give a single one, and no --output")
@@ -147,10 +149,10 @@ def check_json(options: argparse.Namespace, count: int) -> None:
 
 def result_text(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
     """Return one result as lines for people, or as a JSON object for scripts."""
-    return json_text(row) if getattr(options, "json", False) else result_lines(row)
+    return json_text(row) if getattr(options, "json", False) else result_lines_text(row)
 
 
-def write_rows(
+def write_or_print_rows(
     table: pd.DataFrame, options: argparse.Namespace, *, given: Collection[str] = (), **about: str
 ) -> None:
     """Write a table to ``--output``, or print it: one row in lines, or as a JSON object.
@@ -161,7 +163,7 @@ def write_rows(
         given: names of the user's own columns.
         about: what is known of all rows.
     """
-    check_json(options, len(table))
+    check_json_option(options, len(table))
     if options.output:
         write_table(table, options.output, given=given)
     elif len(table) == 1:
@@ -170,7 +172,7 @@ def write_rows(
     else:
         print_table(table)
     if about:
-        print(result_lines(about))
+        print(result_lines_text(about))
 
 
 def print_table(table: pd.DataFrame) -> None:
@@ -180,14 +182,14 @@ def print_table(table: pd.DataFrame) -> None:
         errors = error_columns(name, table)
         for error in errors:
             pairs = [
-                round_to_error(*value_and_error)
+                value_and_error_texts(*value_and_error)
                 for value_and_error in zip(table[name], table[error], strict=True)
             ]
             texts[error] = [text for _, text in pairs]
         if errors:
             largest = table[errors].max(axis=1)
             texts[name] = [
-                round_to_error(*value_and_error)[0]
+                value_and_error_texts(*value_and_error)[0]
                 for value_and_error in zip(table[name], largest, strict=True)
             ]
         if name in ERROR_PERCENT_COLUMNS:

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from squeezefilm.cli.options import command, flag, option
+from squeezefilm.cli.options import command, flag_option, option
 from squeezefilm.config.loading import (
-    FilmAloneError,
+    FilmWithoutStudyError,
     effective_yaml,
     load_config,
     load_film,
@@ -20,15 +20,15 @@ from squeezefilm.config.loading import (
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
-from squeezefilm.formatting import result_lines
+from squeezefilm.formatting import result_lines_text
 from squeezefilm.models.force_model import check_models_of_study
 from squeezefilm.provenance import package_versions
-from squeezefilm.reynolds.device import choose_device, describe, device_name, list_devices
-from squeezefilm.reynolds.kernel_cache import kernel_cache
+from squeezefilm.reynolds.device import choose_device, device_name, device_properties, list_devices
+from squeezefilm.reynolds.kernel_cache import kernel_cache_folder
 from squeezefilm.studies.plans import chunk_counts
 from squeezefilm.studies.study import check_study
 
-EXAMPLE_STUDY = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
+EXAMPLE_STUDY_PATH = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
 # What a rectangular surface has instead of the example's, by the text before and after.
 RECTANGLE_REPLACEMENTS = {
     "a disc (or the disc around what is measured)": "a rectangle",
@@ -63,7 +63,9 @@ extrapolation: #""",
 @command(
     option("name", "NAME", "of the study: a-z, 0-9, - and _"),
     option("--folder", help="where to write; default config", default="config"),
-    flag("--rectangle", "begin with a rectangular plate and its standing wave, without a table"),
+    flag_option(
+        "--rectangle", "begin with a rectangular plate and its standing wave, without a table"
+    ),
 )
 def new(options: argparse.Namespace) -> None:
     """Begin a study of your own actuator.
@@ -78,14 +80,14 @@ def new(options: argparse.Namespace) -> None:
 
       snakemake --configfile config/my-actuator.yaml
     """
-    name, folder, example = options.name, Path(options.folder), EXAMPLE_STUDY.name
+    name, folder, example = options.name, Path(options.folder), EXAMPLE_STUDY_PATH.name
     config, scan = folder / f"{name}.yaml", folder / f"{name}.csv"
     files = [config, *[scan] * (not options.rectangle)]
     for path in files:
         if path.exists():
             raise InputError(f"{path}: is there already; choose another name, or remove it")
     what = "example; `squeezefilm new` needs a checkout of the workflow"
-    text = read_text(f"{EXAMPLE_STUDY}.yaml", what=what)
+    text = read_text(f"{EXAMPLE_STUDY_PATH}.yaml", what=what)
     for old, named in (
         *(RECTANGLE_REPLACEMENTS.items() if options.rectangle else ()),
         (f"{example}.csv", f"{name}.csv"),
@@ -98,14 +100,14 @@ def new(options: argparse.Namespace) -> None:
     write_text(text, config)
     print(f"{config}: the study; change what is yours")
     if scan in files:
-        write_text(read_text(f"{EXAMPLE_STUDY}.csv", what=what), scan)
+        write_text(read_text(f"{EXAMPLE_STUDY_PATH}.csv", what=what), scan)
         print(f"{scan}: an example of a vibrometer's table; replace it by yours")
     print(f"Then: snakemake --configfile {config}")
 
 
 @command(
     option("study", "STUDY.yaml", "the study", nargs="?"),
-    flag("--schema", "print the keys' JSON schema instead"),
+    flag_option("--schema", "print the keys' JSON schema instead"),
 )
 def config(options: argparse.Namespace) -> None:
     """Show all keys of a study: values in SI units, and the origin of those that it does not write.
@@ -125,7 +127,7 @@ def config(options: argparse.Namespace) -> None:
         raise InputError("give a study, STUDY.yaml")
     try:
         study = check_study(load_config(options.study))
-    except FilmAloneError as film_alone:
+    except FilmWithoutStudyError as film_alone:
         print(effective_yaml(load_film(options.study)), end="")
         print(f"note: {film_alone}", file=sys.stderr)
         return
@@ -145,16 +147,17 @@ def doctor(options: argparse.Namespace) -> None:
 
     Ends with status 1 when there is no OpenCL device that computes in double precision.
     """
-    from squeezefilm.reynolds.self_test import check_device, check_in_new_process
+    from squeezefilm.reynolds.self_test import check_device, check_force_in_new_process
 
     _print_section("versions", package_versions())
-    _print_section("caches", print_cache_folders())
+    _print_section("caches", cache_folder_states())
     try:
         _print_section(
-            "devices", {device_name(device): _device_kind(device) for device in list_devices()}
+            "devices",
+            {device_name(device): _device_description(device) for device in list_devices()},
         )
         device = choose_device(option=options.device)
-        _print_section("chosen device", describe(device))
+        _print_section("chosen device", device_properties(device))
         if len(list_devices()) > 1:
             print(
                 "of several that match GPUs are taken first, then PoCL, for which kernels are tuned"
@@ -168,21 +171,21 @@ def doctor(options: argparse.Namespace) -> None:
             f"{error}. A device is chosen by --device, by the environment variable "
             "SQUEEZEFILM_DEVICE, or by solver.device of the configuration"
         ) from None
-    check_in_new_process(options.device)
+    check_force_in_new_process(options.device)
     check_device(device)
     print("self-test: forces of stored films, with every term, are right to 1e-9")
     print("\nall well: simulations can run")
 
 
-def print_cache_folders() -> dict[str, str]:
+def cache_folder_states() -> dict[str, str]:
     """Report the folders of compiled kernels, and if they can be written."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folders = {"PoCL (POCL_CACHE_DIR)": kernel_cache()}
+    folders = {"PoCL (POCL_CACHE_DIR)": kernel_cache_folder()}
     folders |= {f"{name} (XDG_CACHE_HOME)": home / name for name in ("pyopencl", "pytools")}
-    return {name: f"{folder}: {_folder_state(folder)}" for name, folder in folders.items()}
+    return {name: f"{folder}: {_folder_state_text(folder)}" for name, folder in folders.items()}
 
 
-def _folder_state(folder: Path) -> str:
+def _folder_state_text(folder: Path) -> str:
     if not folder.exists():
         return "not made yet"
     if not (folder.is_dir() and os.access(folder, os.W_OK)):
@@ -190,10 +193,10 @@ def _folder_state(folder: Path) -> str:
     return "can be written"
 
 
-def _device_kind(device: Any) -> str:
+def _device_description(device: Any) -> str:
     precise = "double precision" if device.double_fp_config else "single precision only"
     return f"{device.version.strip()}, {precise}"
 
 
 def _print_section(title: str, values: Mapping[str, object]) -> None:
-    print(f"\n{title}", result_lines(values) if values else "none", sep="\n")
+    print(f"\n{title}", result_lines_text(values) if values else "none", sep="\n")

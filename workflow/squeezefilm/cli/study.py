@@ -12,11 +12,11 @@ from squeezefilm.cli.options import (
     option,
     print_table,
     result_text,
-    table_output,
+    table_output_option,
 )
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import prefix_errors
-from squeezefilm.files import digest
+from squeezefilm.files import file_digest
 from squeezefilm.studies.tasks.scan_errors import scan_report
 from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_json, write_table
 
@@ -96,7 +96,7 @@ def fit(options: argparse.Namespace) -> None:
             sample=read_forces(options.sample) if options.sample else None,
             seeds=options.seeds,
             processes=options.processes,
-            source={"forces_sha256": digest(Path(options.forces))},
+            source={"forces_sha256": file_digest(Path(options.forces))},
         )
     if options.runs:
         write_table(runs, options.runs)
@@ -108,7 +108,7 @@ def fit(options: argparse.Namespace) -> None:
     FIT_ARGUMENT,
     FORCES_ARGUMENT,
     STUDY_OPTION,
-    table_output("--output", "ERRORS.csv", "error of each point", required=True),
+    table_output_option("--output", "ERRORS.csv", "error of each point", required=True),
 )
 def validate(options: argparse.Namespace) -> None:
     """Compare a fitted model with simulated forces: errors point by point, and their summary.
@@ -131,7 +131,7 @@ def validate(options: argparse.Namespace) -> None:
     option("--forces", "FORCES.csv", "what it was fitted to", required=True),
     STUDY_OPTION,
     option("--existing", "SCENES.csv", "points to add to"),
-    table_output("--output", "DESIGNS.csv", "designs to write", required=True),
+    table_output_option("--output", "DESIGNS.csv", "designs to write", required=True),
 )
 def optimal(options: argparse.Namespace) -> None:
     """D-optimal designs with proof of optimality, for a fitted model and your points.

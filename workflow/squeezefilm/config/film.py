@@ -11,16 +11,16 @@ from pydantic import AfterValidator, Field, PrivateAttr
 
 from squeezefilm.film.gas import GasOfStudy
 from squeezefilm.film.outline import read_contour
-from squeezefilm.film.pad import Pad, with_keys_of_shape
+from squeezefilm.film.pad import Pad, validate_shape_keys
 from squeezefilm.film.profiles import Profile, ScanFile, Sinc, StandingWave
-from squeezefilm.film.scene import Actuator, Film, with_one_surface
+from squeezefilm.film.scene import Actuator, Film, validate_surface_keys
 from squeezefilm.film.symmetry import Symmetry, no_symmetry, symmetry
 from squeezefilm.sections import BoundedNumber, KeyPath, Section, UniqueItems
 
 if TYPE_CHECKING:
     from squeezefilm.film.measured.smooth import SmoothedScan
 
-SMOOTHED_SCAN_VARIABLE = "SQUEEZEFILM_SMOOTHED"
+SMOOTHED_SCAN_ENV_VAR = "SQUEEZEFILM_SMOOTHED"
 """Of the environment: where a run keeps the smooth profile of its study's scan."""
 
 
@@ -56,8 +56,8 @@ class FilmSections(Section):
     _written: Mapping[KeyPath, Any] = PrivateAttr(default_factory=dict)
 
     gas: GasOfStudy = Field(default={}, validate_default=True)
-    actuator: Annotated[Actuator, AfterValidator(with_one_surface)]
-    pad: Annotated[Pad, AfterValidator(with_keys_of_shape)]
+    actuator: Annotated[Actuator, AfterValidator(validate_surface_keys)]
+    pad: Annotated[Pad, AfterValidator(validate_shape_keys)]
     solver: Solver = Field(default_factory=Solver)
     outputs: Annotated[list[OutputName], UniqueItems] = Field(
         default=[],
@@ -71,13 +71,13 @@ class FilmSections(Section):
         return self._path
 
     @property
-    def written(self) -> Mapping[KeyPath, Any]:
+    def written_values(self) -> Mapping[KeyPath, Any]:
         """Values that were written, by their places; all others follow or are defaults."""
         return self._written
 
-    def read_from(self, path: Path, values: Mapping[str, Any]) -> Self:
+    def with_source(self, path: Path, values: Mapping[str, Any]) -> Self:
         """The study, which was read from these values of a file."""
-        self._path, self._written = path, dict(_written_values(values))
+        self._path, self._written = path, dict(_key_paths_with_values(values))
         return self
 
     @property
@@ -87,8 +87,8 @@ class FilmSections(Section):
         return self.path.parent / profile.file if isinstance(profile, ScanFile) else None
 
     @property
-    def smoothing(self) -> dict[str, Any]:
-        """Arguments of ``smoothed_scan`` besides the scan's file."""
+    def smoothing_arguments(self) -> dict[str, Any]:
+        """Arguments of ``smoothed_scan_of_file`` besides the scan's file."""
         settings = self.actuator.profile
         assert isinstance(settings, ScanFile)
         return {
@@ -105,18 +105,18 @@ class FilmSections(Section):
         """The measured vibration shape with all that is known of it; None if it is not measured.
 
         In a run of the workflow as its rule `smooth` wrote it, under the name in
-        SMOOTHED_SCAN_VARIABLE, unless it is to be smoothed ``again``.
+        SMOOTHED_SCAN_ENV_VAR, unless it is to be smoothed ``again``.
         """
         path = self.scan_path
         if path is None:
             return None
-        from squeezefilm.film.measured.smooth import read_smoothed
+        from squeezefilm.film.measured.smooth import read_smoothed_scan
 
-        kept = Path(os.environ.get(SMOOTHED_SCAN_VARIABLE, ""))
+        kept = Path(os.environ.get(SMOOTHED_SCAN_ENV_VAR, ""))
         if again or not kept.is_file():
             changed = (path.stat().st_mtime_ns, path.stat().st_size) if path.is_file() else ()
-            return _smoothed_scan(path, changed, **self.smoothing)
-        return read_smoothed(kept, path, **self.smoothing)
+            return _cached_smoothed_scan(path, changed, **self.smoothing_arguments)
+        return read_smoothed_scan(kept, path, **self.smoothing_arguments)
 
     def read_profile(self) -> Profile:
         """The vibration shape of the actuator, a measured one smoothed.
@@ -127,7 +127,7 @@ class FilmSections(Section):
             return smoothed.profile
         return self.actuator.profile.on(self.actuator.surface)
 
-    def planned_profile(self) -> Profile:
+    def profile_for_planning(self) -> Profile:
         """The vibration shape as far as plans need it: of a scan a usual one: it is not smoothed.
 
         By it the work is divided into jobs, whose number may not depend on whether the scan has
@@ -173,9 +173,9 @@ class FilmSections(Section):
         settings, surface = self.actuator.profile, self.actuator.surface
         if isinstance(settings, ScanFile) and not settings.axisymmetric:
             return no_symmetry(surface)
-        return symmetry(self.read_pad(), self.planned_profile(), surface=surface)
+        return symmetry(self.read_pad(), self.profile_for_planning(), surface=surface)
 
-    def sections(self, *names: str) -> dict[str, Any]:
+    def sections_as_dict(self, *names: str) -> dict[str, Any]:
         """Plain values, ready for JSON, by the names that Python has for keys (``frequency_hz``).
 
         Args:
@@ -189,15 +189,15 @@ class FilmSections(Section):
 
 
 @lru_cache(maxsize=16)
-def _smoothed_scan(path: Path, _changed: tuple[int, ...], **settings: Any) -> "SmoothedScan":
+def _cached_smoothed_scan(path: Path, _changed: tuple[int, ...], **settings: Any) -> "SmoothedScan":
     """The smooth profile of a scan's file, made once a process unless the file changes."""
-    from squeezefilm.film.measured.smooth import smoothed_scan
+    from squeezefilm.film.measured.smooth import smoothed_scan_of_file
 
-    return smoothed_scan(path, **settings)
+    return smoothed_scan_of_file(path, **settings)
 
 
-def _written_values(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+def _key_paths_with_values(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
     if isinstance(values, Mapping):
         for name, value in values.items():
             yield (*key_path, name), value
-            yield from _written_values(value, (*key_path, name))
+            yield from _key_paths_with_values(value, (*key_path, name))

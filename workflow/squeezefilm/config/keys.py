@@ -20,7 +20,7 @@ KEY_TABLE_HEADER = "| key | unit | allowed | default | meaning |\n| --- | --- | 
 
 
 @cache
-def schema() -> Schema:
+def study_schema() -> Schema:
     """The JSON schema of a study, its parts in the places where it refers to them."""
     raw = Study.model_json_schema()
 
@@ -45,7 +45,7 @@ def schema() -> Schema:
     return whole
 
 
-def key_path_of(location: KeyPath, values: Any, *, missing: bool = False) -> KeyPath:
+def key_path_of_location(location: KeyPath, values: Any, *, missing: bool = False) -> KeyPath:
     """Return the keys of a value that pydantic locates, without its steps to a union's choices.
 
     Args:
@@ -54,28 +54,28 @@ def key_path_of(location: KeyPath, values: Any, *, missing: bool = False) -> Key
         missing: the last step is a key that is not there.
     """
     key_path: KeyPath = ()
-    part, kind = schema(), None
+    part, kind = study_schema(), None
     for position, step in enumerate(location, start=1):
         written = step in values if isinstance(values, Mapping) else isinstance(step, int)
         if step == kind or not (written or (missing and position == len(location))):
             kind = None
             continue
-        part, values = _schema_inside(part, step, values), _value_inside(values, step)
-        kind = _value_inside(values, "kind") if "kinds" in part else None
+        part, values = _child_schema(part, step, values), _child_value(values, step)
+        kind = _child_value(values, "kind") if "kinds" in part else None
         key_path += (step,)
     return key_path
 
 
 def schema_of_key(key_path: KeyPath, values: Any) -> Schema:
     """Return the part of the schema that describes a key's value, empty if none does."""
-    part = schema()
+    part = study_schema()
     for step in key_path:
-        part = _schema_inside(part, step, values)
-        values = _value_inside(values, step)
+        part = _child_schema(part, step, values)
+        values = _child_value(values, step)
     return _schema_of_kind(part, values)
 
 
-def _value_inside(values: Any, step: str | int) -> Any:
+def _child_value(values: Any, step: str | int) -> Any:
     """Return the value under a key or at a list's place, None where there is none."""
     try:
         return values[step]
@@ -83,14 +83,14 @@ def _value_inside(values: Any, step: str | int) -> Any:
         return None
 
 
-def _schema_inside(part: Schema, step: str | int, values: Any) -> Schema:
+def _child_schema(part: Schema, step: str | int, values: Any) -> Schema:
     """Return the schema of what is under a key of these values, or in a list of them."""
     own = _schema_of_kind(part, values)
-    key: Schema = own.get("properties", {}).get(step) or _pattern_schema(own)
+    key: Schema = own.get("properties", {}).get(step) or _pattern_properties_schema(own)
     return own.get("items", {}) if isinstance(step, int) else key
 
 
-def _pattern_schema(part: Schema) -> Schema:
+def _pattern_properties_schema(part: Schema) -> Schema:
     """Return the schema of the values in a section whose keys the user names."""
     named = part.get("additionalProperties") or {}
     return next(iter(part.get("patternProperties", {}).values()), named)
@@ -102,24 +102,24 @@ def _schema_of_kind(part: Schema, values: Any) -> Schema:
     return chosen
 
 
-def allowed_text(part: Schema) -> str:
+def allowed_values_text(part: Schema) -> str:
     """Values that the schema allows, as a text; empty for a section."""
     if "enum" in part or "const" in part:
         return ", ".join(f"`{value}`" for value in part.get("enum", [part.get("const")]))
     if "items" in part:
-        return f"a list: {allowed_text(part['items'])}"
+        return f"a list: {allowed_values_text(part['items'])}"
     if "anyOf" in part:
-        return " or ".join(allowed_text(choice) or "a mapping" for choice in part["anyOf"])
+        return " or ".join(allowed_values_text(choice) or "a mapping" for choice in part["anyOf"])
     if "maximum" in part:
-        low = f"{limit_text(part['minimum'])} …" if "minimum" in part else "above 0, at most"
+        low = f"{number_text(part['minimum'])} …" if "minimum" in part else "above 0, at most"
         return (
-            f"{low} {limit_text(part['maximum'])}{', whole' if part['type'] == 'integer' else ''}"
+            f"{low} {number_text(part['maximum'])}{', whole' if part['type'] == 'integer' else ''}"
         )
     words = {"string": "text", "number": "a number", "boolean": "`true`, `false`"}
     return words.get(part.get("type", ""), "")
 
 
-def limit_text(value: float, *, digits: int = 5) -> str:
+def number_text(value: float, *, digits: int = 5) -> str:
     """A limit or a default as it is written in texts."""
     text = f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
     return text.replace("-", "−") if text.startswith("-") else text
@@ -128,29 +128,35 @@ def limit_text(value: float, *, digits: int = 5) -> str:
 def key_table(whole: Schema) -> str:
     """Return a row of Markdown for each key: its unit, values, default and meaning."""
     rows = []
-    for path, part, needed in _key_rows(whole):
+    for path, part, needed in _iter_key_schemas(whole):
         # A section in bold; of other keys the names below their section.
         name = f"`{'.'.join(path[1:])}`" if len(path) > 1 else f"**`{path[0]}`**"
         meaning = part["description"].replace("|", "\\|")
-        cells = (name, unit_of(part), allowed_text(part), _default_text(part, needed), meaning)
+        cells = (
+            name,
+            unit_of_schema(part),
+            allowed_values_text(part),
+            _default_text(part, needed),
+            meaning,
+        )
         rows.append(f"| {' | '.join(cells)} |\n")
     return KEY_TABLE_HEADER + "".join(rows)
 
 
-def _key_rows(part: Schema, path: KeyNames = ()) -> Iterator[tuple[KeyNames, Schema, bool]]:
+def _iter_key_schemas(part: Schema, path: KeyNames = ()) -> Iterator[tuple[KeyNames, Schema, bool]]:
     """Each key below a part of the schema: the names that lead to it, and whether it is needed."""
     for name, key in part.get("properties", {}).items():
         yield (*path, name), key, name in part.get("required", ())
-        yield from _key_rows(key, (*path, name))
+        yield from _iter_key_schemas(key, (*path, name))
     if "patternProperties" in part:
-        yield from _key_rows(_pattern_schema(part), (*path, "NAME"))
+        yield from _iter_key_schemas(_pattern_properties_schema(part), (*path, "NAME"))
     for kind, choice in part.get("kinds", {}).items():
-        for key_path, key, needed in _key_rows(choice, path):
+        for key_path, key, needed in _iter_key_schemas(choice, path):
             if key_path[-1] != "kind":
                 yield key_path, {**key, "description": f"of `{kind}`: {key['description']}"}, needed
 
 
-def unit_of(part: Schema) -> str:
+def unit_of_schema(part: Schema) -> str:
     """The unit of a key's number, or of each in its list."""
     return str(part.get("unit", part.get("items", {}).get("unit", "")))
 
@@ -164,6 +170,6 @@ def _default_text(part: Schema, needed: bool) -> str:
         return ""
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     text = (
-        limit_text(value, digits=12) if number else yaml.safe_dump(value, default_flow_style=True)
+        number_text(value, digits=12) if number else yaml.safe_dump(value, default_flow_style=True)
     )
     return f"`{text.removesuffix('...' + chr(10)).strip()}`"

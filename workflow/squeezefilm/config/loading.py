@@ -19,34 +19,40 @@ import yaml
 from pydantic import ValidationError
 
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.keys import Schema, allowed_text, key_path_of, schema_of_key, unit_of
+from squeezefilm.config.keys import (
+    Schema,
+    allowed_values_text,
+    key_path_of_location,
+    schema_of_key,
+    unit_of_schema,
+)
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text, write_text
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Sinc, StandingWave
 from squeezefilm.film.scene import Actuator
-from squeezefilm.sections import KeyPath, key_of
-from squeezefilm.units import DECIMAL, in_unit, quantity_examples
+from squeezefilm.sections import KeyPath, key_of_name
+from squeezefilm.units import DECIMAL_REGEX, number_in_unit, quantity_examples_text
 
-Sections = TypeVar("Sections", bound=FilmSections)
+FilmSectionsT = TypeVar("FilmSectionsT", bound=FilmSections)
 
-CONFIGURATION = "configuration file"
+CONFIGURATION_FILE_LABEL = "configuration file"
 YAML_LITERALS = {"true": True, "false": False, "null": None, "~": None, "": None}
 INTEGER_PATTERN = re.compile(r"[-+]?(?:0|[1-9]\d*)", re.ASCII)
 FLOAT_PATTERN = re.compile(
-    rf"(?!{INTEGER_PATTERN.pattern}$)(?!0\d){DECIMAL}|[-+]?\.(?:inf|nan)", re.I | re.ASCII
+    rf"(?!{INTEGER_PATTERN.pattern}$)(?!0\d){DECIMAL_REGEX}|[-+]?\.(?:inf|nan)", re.I | re.ASCII
 )
 MAX_INTEGER_DIGITS = 18
-STUDY_FILE = "study.yaml"
+STUDY_FILE_NAME = "study.yaml"
 """The name of the file beside a study's results."""
-PLAN_SECTIONS = ("screen", "extrapolation")
+PLAN_SECTION_NAMES = ("screen", "extrapolation")
 """Sections that a study needs beside its film."""
 KEY_ERROR_TYPES = ("missing", "extra_forbidden", "unexpected_keyword_argument")
 TEXT_ERROR_TYPES = ("string_pattern_mismatch", "string_too_short", "string_too_long")
 
 
-class FilmAloneError(InputError):
+class FilmWithoutStudyError(InputError):
     """A file has a film and no plan, so that it is no study."""
 
 
@@ -56,7 +62,9 @@ def load_config(path: Path | str) -> Study:
     Raises InputError naming the file, line and key, what is wrong with it and what is allowed;
     FilmAloneError for a film without a study.
     """
-    return _parsed_sections(read_text(path, what=CONFIGURATION), path=Path(path), model=Study)
+    return _parse_sections(
+        read_text(path, what=CONFIGURATION_FILE_LABEL), path=Path(path), model=Study
+    )
 
 
 def load_film(path: Path | str) -> FilmSections:
@@ -64,8 +72,8 @@ def load_film(path: Path | str) -> FilmSections:
 
     Raises InputError as ``load_config`` does.
     """
-    return _parsed_sections(
-        read_text(path, what=CONFIGURATION), path=Path(path), model=FilmSections
+    return _parse_sections(
+        read_text(path, what=CONFIGURATION_FILE_LABEL), path=Path(path), model=FilmSections
     )
 
 
@@ -74,16 +82,20 @@ def parse_config(text: str, *, path: Path) -> Study:
 
     Raises InputError as ``load_config`` does.
     """
-    return _parsed_sections(text, path=path, model=Study)
+    return _parse_sections(text, path=path, model=Study)
 
 
-def _parsed_sections(text: str, *, path: Path, model: type[Sections]) -> Sections:
+def _parse_sections(text: str, *, path: Path, model: type[FilmSectionsT]) -> FilmSectionsT:
     values, lines = _read_yaml(text, path=path)
-    if model is Study and {"actuator", "pad"} <= {*values} and not {*PLAN_SECTIONS} & {*values}:
-        raise FilmAloneError(
+    if (
+        model is Study
+        and {"actuator", "pad"} <= {*values}
+        and not {*PLAN_SECTION_NAMES} & {*values}
+    ):
+        raise FilmWithoutStudyError(
             f"{path}: a film without a study: `squeezefilm simulate`, `levitate` and, in Python, "
             f"`sf.Film.read` take it; a study also has a name, study, and the sections "
-            f"{' and '.join(PLAN_SECTIONS)}"
+            f"{' and '.join(PLAN_SECTION_NAMES)}"
         )
     for name in Study.model_fields.keys() - model.model_fields.keys():
         values.pop(name, None)
@@ -94,9 +106,9 @@ def validated_sections(
     values: Mapping[str, Any],
     *,
     path: Path,
-    model: type[Sections],
+    model: type[FilmSectionsT],
     lines: Mapping[KeyPath, int] | None = None,
-) -> Sections:
+) -> FilmSectionsT:
     """Validate sections by the keys of a file.
 
     Args:
@@ -107,13 +119,13 @@ def validated_sections(
     Raises InputError as ``load_config`` does.
     """
     try:
-        return model.model_validate(values).read_from(path, values)
+        return model.model_validate(values).with_source(path, values)
     except ValidationError as error:
         messages = _messages_of_errors(error, values, lines or {})
         raise InputError("\n".join(f"{path}: {message}" for message in messages)) from None
 
 
-def with_changed_keys(config: Sections, changes: Mapping[str, Any]) -> Sections:
+def with_changed_keys(config: FilmSectionsT, changes: Mapping[str, Any]) -> FilmSectionsT:
     """The study with other values of some keys, which stand in a file as ``gas.viscosity`` does.
 
     Raises InputError as ``load_config`` does.
@@ -144,7 +156,7 @@ def _read_yaml(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, 
         if isinstance(node, yaml.SequenceNode):
             return [value_of_node(item, (*key_path, i)) for i, item in enumerate(node.value)]
         if isinstance(node, yaml.ScalarNode):
-            return node.value if node.style else _yaml_scalar(node.value)
+            return node.value if node.style else _parse_yaml_scalar(node.value)
         values: dict[str, Any] = {}
         for key, value in node.value:
             name, line = key.value, key.start_mark.line + 1
@@ -168,7 +180,7 @@ def _read_yaml(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, 
     return values, lines
 
 
-def _yaml_scalar(text: str) -> Any:
+def _parse_yaml_scalar(text: str) -> Any:
     if text in YAML_LITERALS:
         return YAML_LITERALS[text]
     if INTEGER_PATTERN.fullmatch(text):
@@ -186,13 +198,13 @@ def _messages_of_errors(
     for entry in error.errors(include_url=False):
         further = entry.get("ctx", {}).get("place", ())
         missing = entry["type"] == "missing" and not further
-        key_path = key_path_of(entry["loc"], values, missing=missing) + further
+        key_path = key_path_of_location(entry["loc"], values, missing=missing) + further
         if key_path in messages:  # by another choice of a union
             continue
         if entry["type"] in KEY_ERROR_TYPES:
-            text = _key_message(entry, key_path, schema_of_key(key_path[:-1], values))
+            text = _key_error_message(entry, key_path, schema_of_key(key_path[:-1], values))
         else:
-            text = _value_message(entry, key_path, schema_of_key(key_path, values))
+            text = _value_error_message(entry, key_path, schema_of_key(key_path, values))
         inner = next(
             (key_path[:end] for end in range(len(key_path), 0, -1) if key_path[:end] in lines), ()
         )
@@ -204,12 +216,12 @@ def _messages_of_errors(
     return [f"line {line}: {text}" if line else text for line, text in reported]
 
 
-def _key_message(error: Any, key_path: KeyPath, part: Schema) -> str:
+def _key_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     """Message about an unknown or missing key; empty where another error contains it."""
     *section, key = map(str, key_path)
     where, known = ".".join(section) or "top level", part.get("properties", {})
     if error["type"] != "missing":
-        close = _close_match(key, known) or _close_match(key_of(key), known)
+        close = _close_match(key, known) or _close_match(key_of_name(key), known)
         hint = f"did you mean {close!r}?" if close else f"allowed are {', '.join(sorted(known))}"
         return f"{where}: unknown key {key!r}; {hint}"
     if key not in known:  # below a key that is not text
@@ -218,13 +230,13 @@ def _key_message(error: Any, key_path: KeyPath, part: Schema) -> str:
         return ""
     wanted = known[key]
     inner = ", ".join(wanted.get("else", wanted).get("required", ()))
-    words = allowed_text(wanted) or (f"a section with {inner}" if inner else "a section")
+    words = allowed_values_text(wanted) or (f"a section with {inner}" if inner else "a section")
     unit = f" {wanted['unit']}" if "unit" in wanted else ""
     about = f": {wanted['description']}" if "description" in wanted else ""
     return f"{where}: missing {key!r} ({words}{unit}){about}"
 
 
-def _value_message(error: Any, key_path: KeyPath, part: Schema) -> str:
+def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     where, wrong, kind = ".".join(map(str, key_path)) or "top level", error["input"], error["type"]
     if kind == "relation":
         return f"{where}: {error['msg']}"
@@ -233,12 +245,12 @@ def _value_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     if kind.startswith("union_tag"):
         kinds = part["properties"]["kind"]
         if kind == "union_tag_not_found":
-            return f"{where}: missing 'kind' ({allowed_text(kinds)})"
+            return f"{where}: missing 'kind' ({allowed_values_text(kinds)})"
         wrong, where, part = error["ctx"]["tag"], f"{where}.kind", kinds
     if "enum" in part:
         close = _close_match(str(wrong), part["enum"])
         hint = f"; did you mean {close!r}?" if close else ""
-        return f"{where}: {wrong!r} is none of {allowed_text(part)}{hint}"
+        return f"{where}: {wrong!r} is none of {allowed_values_text(part)}{hint}"
     value = reprlib.repr(wrong)
     text = f"{where}: {value} {error['msg'].partition(' ')[2]}"
     if kind in TEXT_ERROR_TYPES and "description" in part:
@@ -246,13 +258,17 @@ def _value_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     if "properties" in part:
         return f"{where}: {value} is no section; its keys are {', '.join(part['properties'])}"
     unit = part.get("unit")
-    if unit == "rad/m" and isinstance(wrong, str) and (number := in_unit(wrong, "1/m")):
+    if unit == "rad/m" and isinstance(wrong, str) and (number := number_in_unit(wrong, "1/m")):
         return (
             f"{where}: {value} is in radians or in waves per length; write '{number:.6g} rad/m', "
             f"or '{2 * math.pi * number:.6g} rad/m' for {number:.6g} waves per metre"
         )
-    like = f" {unit}, as a number or with its unit, like {quantity_examples(unit)}" if unit else ""
-    words = allowed_text(part)
+    like = (
+        f" {unit}, as a number or with its unit, like {quantity_examples_text(unit)}"
+        if unit
+        else ""
+    )
+    words = allowed_values_text(part)
     return f"{text}; allowed: {words}{like}" if words else text
 
 
@@ -285,8 +301,8 @@ USUAL_RANGE_OF_UNIT = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
 PAPERS_ACTUATOR = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
 PAPERS_PAD = Pad(10e-3, 10e-3)
 """The film whose claims, tables and figures a study with ``paper: true`` makes."""
-PAPERS_GAS_KEYS = {"rarefaction": "none", "polytropic_exponent": 1, "inertia": "none"}
-PAPERS_GAS_KEYS |= {"thermal": "none"}
+PAPERS_GAS_SETTINGS = {"rarefaction": "none", "polytropic_exponent": 1, "inertia": "none"}
+PAPERS_GAS_SETTINGS |= {"thermal": "none"}
 
 
 def differences_from_paper(config: Study) -> Iterator[str]:
@@ -294,7 +310,7 @@ def differences_from_paper(config: Study) -> Iterator[str]:
     for name, papers in (("actuator", PAPERS_ACTUATOR), ("pad", PAPERS_PAD)):
         if getattr(config, name) != papers:
             yield f"another {name}"
-    for key, value in PAPERS_GAS_KEYS.items():
+    for key, value in PAPERS_GAS_SETTINGS.items():
         if (own := getattr(config.gas, key)) != value:
             yield f"gas.{key} {own}"
 
@@ -315,8 +331,8 @@ def study_notes(config: Study) -> Iterator[str]:
             "models: the force repeats along a standing wave, and formulas in x**2 + y**2 do not; "
             "add one with cos(4*pi*x/wavelength) (docs/reference/formulas.md)"
         )
-    for place, value in config.written.items():
-        unit = unit_of(_schema_part(config, place))
+    for place, value in config.written_values.items():
+        unit = unit_of_schema(_schema_of_config_key(config, place))
         if unit in USUAL_RANGE_OF_UNIT and isinstance(value, int | float):
             least, most, meant = USUAL_RANGE_OF_UNIT[unit]
             if not least <= abs(value) <= most:
@@ -326,14 +342,14 @@ def study_notes(config: Study) -> Iterator[str]:
 
 def value_origin(config: FilmSections, key_path: KeyPath) -> str:
     """Origin of a key's value, as a text; empty where it was written."""
-    if key_path in config.written:
+    if key_path in config.written_values:
         return ""
-    words = _schema_part(config, key_path).get("derived")
+    words = _schema_of_config_key(config, key_path).get("derived")
     return f"derived: {words}" if words else "default"
 
 
-def _schema_part(config: FilmSections, key_path: KeyPath) -> Schema:
-    return schema_of_key(key_path, config.sections())
+def _schema_of_config_key(config: FilmSections, key_path: KeyPath) -> Schema:
+    return schema_of_key(key_path, config.sections_as_dict())
 
 
 def _yaml_lines(
@@ -346,7 +362,7 @@ def _yaml_lines(
             yield start
             yield from _yaml_lines(value, here, config)
         else:
-            notes = unit_of(_schema_part(config, here)), value_origin(config, here)
+            notes = unit_of_schema(_schema_of_config_key(config, here)), value_origin(config, here)
             note = ", ".join(filter(None, notes))
             yield f"{start} {_yaml_on_one_line(value)}" + (f" # {note}" if note else "")
 
@@ -362,7 +378,7 @@ def write_effective_study(config: Study, folder: Path) -> Path:
 
     Raises InputError where it cannot be written.
     """
-    path, text = folder / STUDY_FILE, effective_yaml(config, folder=folder)
+    path, text = folder / STUDY_FILE_NAME, effective_yaml(config, folder=folder)
     same = path.exists() and read_text(path, what="study") == text
     # Who runs the study of an earlier run reads that very file.
     if not same and path.resolve() != config.path.resolve():

@@ -1,7 +1,7 @@
 """A whole study: the film, the plans of its simulations, and the models fitted to them.
 
 What follows from other keys where it is not written is filled in once all keys are valid
-(``Study.with_derived``), then relations between keys are checked.
+(``Study.with_derived_values``), then relations between keys are checked.
 """
 
 from math import cos, floor, hypot, log10, radians, sin
@@ -12,16 +12,16 @@ from pydantic import Field, StrictBool, model_validator
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS, Positions
 from squeezefilm.film.profiles import TravellingWave
 from squeezefilm.sections import (
-    DERIVED,
+    DERIVED_DEFAULT,
     BoundedNumber,
     Section,
     Text,
     UniqueItems,
     error_at_key,
-    key_of,
+    key_of_name,
 )
 
 ERROR_MAP_LEVELS_RATIO, MAX_ERROR_MAP_LEVELS = 2, 1000
@@ -34,7 +34,7 @@ DEFAULT_EXTRAPOLATION_RATIO, MAX_EXTRAPOLATION_RATIO = 1.1, 1.5
 """An amplitude beyond the screen at which its models are tried, over the screen's largest: the
 default, and the most."""
 
-FilmLength = Annotated[
+GapOrAmplitude = Annotated[
     float, BoundedNumber("m", 1e-9, 1e-3)
 ]  # below a nanometre there is no film of gas
 Separation = Annotated[float, BoundedNumber("1", 0, 0.5, open=True)]
@@ -81,8 +81,8 @@ class Levels(Section):
         levels: how many
     """
 
-    start: FilmLength
-    stop: FilmLength
+    start: GapOrAmplitude
+    stop: GapOrAmplitude
     levels: Annotated[int, Field(strict=True, ge=2, le=MAX_ERROR_MAP_LEVELS)] = 8
 
 
@@ -101,7 +101,7 @@ class Screen(Section):
     hv_m: Levels
 
 
-class Seeds(Section):
+class SeedCounts(Section):
     """Runs per bound.
 
     Attributes:
@@ -128,7 +128,7 @@ class Fit(Section):
         Field(min_length=1, max_length=10),
         UniqueItems,
     ] = Field(default=[100.0])
-    seeds: Seeds = Field(default_factory=Seeds)
+    seeds: SeedCounts = Field(default_factory=SeedCounts)
     first_seed: Seed = 1
 
 
@@ -177,7 +177,7 @@ class FourFactorControl(Section):
     seed: Seed = 1
 
 
-class LevelsOfScreen(Section):
+class ErrorMapLevels(Section):
     """Evenly spaced values, over the screen's range where nothing else is written.
 
     Attributes:
@@ -186,9 +186,9 @@ class LevelsOfScreen(Section):
         levels: how many; default: twice the screen's
     """
 
-    start: FilmLength = DERIVED
-    stop: FilmLength = DERIVED
-    levels: Annotated[int, Field(strict=True, ge=2, le=MAX_ERROR_MAP_LEVELS)] = DERIVED
+    start: GapOrAmplitude = DERIVED_DEFAULT
+    stop: GapOrAmplitude = DERIVED_DEFAULT
+    levels: Annotated[int, Field(strict=True, ge=2, le=MAX_ERROR_MAP_LEVELS)] = DERIVED_DEFAULT
 
 
 class ErrorMap(Section):
@@ -199,8 +199,8 @@ class ErrorMap(Section):
         hv_m: amplitudes, likewise
     """
 
-    h0_m: LevelsOfScreen = Field(default_factory=LevelsOfScreen)
-    hv_m: LevelsOfScreen = Field(default_factory=LevelsOfScreen)
+    h0_m: ErrorMapLevels = Field(default_factory=ErrorMapLevels)
+    hv_m: ErrorMapLevels = Field(default_factory=ErrorMapLevels)
 
 
 UnitText = Annotated[str, Field(min_length=1, max_length=40)]
@@ -218,19 +218,19 @@ class OwnModel(Section):
     """
 
     expression: Annotated[str, Field(min_length=1, max_length=4000)]
-    about: Annotated[str, Field(max_length=200)] = DERIVED
+    about: Annotated[str, Field(max_length=200)] = DERIVED_DEFAULT
     parameters: (
         Annotated[list[UnitText], Field(max_length=30), UniqueItems]
         | Annotated[dict[str, UnitText | Literal[1]], Field(max_length=30)]
-    ) = DERIVED
+    ) = DERIVED_DEFAULT
     constants: dict[str, str | float] = Field({}, max_length=30)
 
 
 class ModelNamesBySpace(Section):
     """Names of models for each space of factors."""
 
-    two_factor: ModelNames = DERIVED
-    four_factor: ModelNames = DERIVED
+    two_factor: ModelNames = DERIVED_DEFAULT
+    four_factor: ModelNames = DERIVED_DEFAULT
 
     def of(self, space: str) -> list[str]:
         """The models of a space, ``two_factor`` or ``four_factor``."""
@@ -285,7 +285,7 @@ class Refine(ModelNamesBySpace):
     seed: Seed = 1
 
 
-class Optimal(Section):
+class OptimalDesigns(Section):
     """`snakemake optimal`: D-optimal designs with bounds of their efficiency.
 
     Attributes:
@@ -333,12 +333,12 @@ class Extrapolation(Section):
             checks it
     """
 
-    h0_m: FilmLength = DERIVED
-    hv_m: FilmLength = DERIVED
+    h0_m: GapOrAmplitude = DERIVED_DEFAULT
+    hv_m: GapOrAmplitude = DERIVED_DEFAULT
     force_n: Annotated[float, BoundedNumber("N", 0, 1e6, open=True)]
 
 
-class Numerics(Section):
+class NumericsVerification(Section):
     """The solver examined, `snakemake verification` (see docs/verification.md).
 
     Attributes:
@@ -360,7 +360,7 @@ class Figures(Section):
             and lines; colours that carry a meaning stay
     """
 
-    style: Text = DERIVED
+    style: Text = DERIVED_DEFAULT
 
 
 class Measurements(Section):
@@ -406,15 +406,15 @@ class Study(FilmSections, StudyHeader):
     models: Annotated[dict[ModelName, OwnModel], Field(max_length=100)] = Field(default={})
     comparison: Comparison = Field(default_factory=Comparison)
     refine: Refine = Field(default_factory=Refine)
-    optimal: Optimal = Field(default_factory=Optimal)
+    optimal: OptimalDesigns = Field(default_factory=OptimalDesigns)
     validation: Validation = Field(default_factory=Validation)
     extrapolation: Extrapolation
-    numerics: Numerics = Field(default_factory=Numerics)
+    numerics: NumericsVerification = Field(default_factory=NumericsVerification)
     figures: Figures = Field(default_factory=Figures)
-    measurements: Measurements = DERIVED
+    measurements: Measurements = DERIVED_DEFAULT
 
     @model_validator(mode="after")
-    def with_derived(self) -> "Study":
+    def with_derived_values(self) -> "Study":
         """The study with what follows from the rest, its relations checked."""
         self._derive_plans()
         self._derive_models()
@@ -428,11 +428,11 @@ class Study(FilmSections, StudyHeader):
         for factor in ("h0_m", "hv_m"):
             fitted, control = getattr(self.screen, factor), getattr(self.error_map, factor)
             levels = min(ERROR_MAP_LEVELS_RATIO * fitted.levels, MAX_ERROR_MAP_LEVELS)
-            _set_where_not_given(control, start=fitted.start, stop=fitted.stop, levels=levels)
+            _set_missing_values(control, start=fitted.start, stop=fitted.stop, levels=levels)
         wanted, largest_m = self.extrapolation, self.screen.hv_m.stop
-        _set_where_not_given(wanted, h0_m=self.screen.h0_m.start)
+        _set_missing_values(wanted, h0_m=self.screen.h0_m.start)
         farther_m = float(f"{DEFAULT_EXTRAPOLATION_RATIO * largest_m:.12g}")
-        _set_where_not_given(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
+        _set_missing_values(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
 
     def _derive_models(self) -> None:
         """The models that are compared and refined: physics' where its limit was derived."""
@@ -448,13 +448,13 @@ class Study(FilmSections, StudyHeader):
             and gas.polytropic_exponent == 1
         )
         physics = ["limit", "limit_1", "limit_2"] if known else []
-        _set_where_not_given(
+        _set_missing_values(
             self.comparison,
             two_factor=["two_factor", "polynomial_3", *physics[:2]],
             four_factor=["four_factor", "polynomial_5", *physics],
         )
         best = ("limit_1", "limit_2") if known else ("polynomial_3", "polynomial_5")
-        _set_where_not_given(self.refine, two_factor=[best[0]], four_factor=[best[1]])
+        _set_missing_values(self.refine, two_factor=[best[0]], four_factor=[best[1]])
 
     def _derive_positions(self) -> None:
         """Positions in the form of the surface: half of the way that the pad may go, and all."""
@@ -462,18 +462,20 @@ class Study(FilmSections, StudyHeader):
         if not (self.paper or positions.model_fields_set):
             positions.points = DEFAULT_POSITION_COUNT
         if surface is None:
-            _set_where_not_given(positions, phi_deg=list(DEFAULT_DIRECTIONS_DEG))
+            _set_missing_values(positions, phi_deg=list(DEFAULT_DIRECTIONS_DEG))
             if positions.phi_r_m is None:
                 half_m, reach_m = self.actuator.surface_radius_m, _farthest_edge_m(self.pad)
                 way_m = _max_travel_m("actuator.surface_radius", half_m, reach_m, "phi_r")
-                positions.phi_r_m = [_rounded_down(way_m / 2), _rounded_down(way_m)]
+                positions.phi_r_m = [_round_down_3_digits(way_m / 2), _round_down_3_digits(way_m)]
             return
-        for axis, reach_m in zip("xy", _extents_along_axes_m(self.pad), strict=True):
+        for axis, reach_m in zip("xy", _half_extents_along_axes_m(self.pad), strict=True):
             if getattr(positions, f"{axis}_m") is None:
                 half_m = getattr(surface, f"length_{axis}_m") / 2
                 way_m = _max_travel_m(f"actuator.surface.length_{axis}", half_m, reach_m, axis)
                 setattr(
-                    positions, f"{axis}_m", [0.0, _rounded_down(way_m / 2), _rounded_down(way_m)]
+                    positions,
+                    f"{axis}_m",
+                    [0.0, _round_down_3_digits(way_m / 2), _round_down_3_digits(way_m)],
                 )
 
     def _check_ranges(self) -> None:
@@ -484,7 +486,7 @@ class Study(FilmSections, StudyHeader):
         """
         new = False
         for factor, farthest in (("h0_m", 1.0), ("hv_m", MAX_EXTRAPOLATION_RATIO)):
-            key = key_of(factor)
+            key = key_of_name(factor)
             fitted, control, wanted_m = (
                 getattr(section, factor)
                 for section in (self.screen, self.error_map, self.extrapolation)
@@ -525,25 +527,29 @@ class Study(FilmSections, StudyHeader):
     def _check_positions(self) -> None:
         """Reject positions in a form that is not the surface's."""
         disc, positions = self.actuator.rectangle is None, self.positions
-        factors, shape = (POLAR, "disc") if disc else (CARTESIAN, "rectangle")
-        written = [name for name in (*POLAR, *CARTESIAN) if getattr(positions, name) is not None]
+        factors, shape = (POLAR_COLUMNS, "disc") if disc else (CARTESIAN_COLUMNS, "rectangle")
+        written = [
+            name
+            for name in (*POLAR_COLUMNS, *CARTESIAN_COLUMNS)
+            if getattr(positions, name) is not None
+        ]
         if written != [*factors]:
             raise error_at_key(
-                f"on a {shape} they are {' and '.join(map(key_of, factors))}; "
-                f"the keys are {', '.join(map(key_of, written))}",
+                f"on a {shape} they are {' and '.join(map(key_of_name, factors))}; "
+                f"the keys are {', '.join(map(key_of_name, written))}",
                 "positions",
             )
         for factor in () if disc else factors:
             if max(getattr(positions, factor)) <= 0:
                 raise error_at_key(
                     "a value must be above 0: the pad moves in x and y",
-                    *("positions", key_of(factor)),
+                    *("positions", key_of_name(factor)),
                 )
         if not disc and self.paper:
             raise error_at_key("the paper's actuator is a disc; it must be false", "paper")
 
 
-def _set_where_not_given(section: Section, **values: Any) -> None:
+def _set_missing_values(section: Section, **values: Any) -> None:
     """Give a section's keys their values where nothing is written."""
     for name, value in values.items():
         if getattr(section, name) is None:
@@ -556,7 +562,7 @@ def _farthest_edge_m(pad: Pad) -> float:
     return max(half_x, half_y) if pad.shape == "ellipse" else hypot(half_x, half_y)
 
 
-def _extents_along_axes_m(pad: Pad) -> tuple[float, float]:
+def _half_extents_along_axes_m(pad: Pad) -> tuple[float, float]:
     """Extent of a pad from its centre along the surface's axes."""
     half_x, half_y = pad.length_x_m / 2, pad.length_y_m / 2
     angle = radians(pad.rotation_deg)
@@ -578,7 +584,7 @@ def _max_travel_m(surface: str, half_m: float, reach_m: float, key: str) -> floa
     return half_m - reach_m
 
 
-def _rounded_down(value: float) -> float:
+def _round_down_3_digits(value: float) -> float:
     """A little less than the value, in three digits."""
     step = 10.0 ** (floor(log10(value)) - 2)
     return float(f"{floor(value * (1 - 1e-9) / step) * step:.3g}")

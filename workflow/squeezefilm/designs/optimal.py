@@ -21,8 +21,8 @@ Nothing here knows a model, a factor or a unit, and D-optimality does not depend
 
 An exact design has so many points, each of them once: a simulation has no scatter, so a second one
 at the same point teaches nothing, and one close by hardly anything. It is sought by exchange
-(Fedorov 1972), one point at a time, and is the best found from EXCHANGE_STARTS starts: the exchange
-ends in local maxima, and no certificate holds for it.
+(Fedorov 1972), one point at a time, and is the best found from EXCHANGE_START_COUNT starts: the
+exchange ends in local maxima, and no certificate holds for it.
 """
 
 from __future__ import annotations
@@ -43,33 +43,33 @@ from squeezefilm.designs.space import Array, Space
 from squeezefilm.errors import InputError
 
 Indices = NDArray[np.int64]
-Gradients = Callable[[Array], Array]
+GradientFunction = Callable[[Array], Array]
 """From points, shape (n, k), to derivatives, shape (n, p) or (K, n, p)."""
 
 MIN_SUPPORT_WEIGHT = 1e-9
 """Weight below which a point is not in the support."""
-SINGULAR_ROOT_DIAGONAL = 1e-12
+SINGULAR_DIAGONAL_TOLERANCE = 1e-12
 """Diagonal of a triangular factor with columns of length one, below which it is singular."""
-MAX_WEIGHT_ROUNDS, MAX_WEIGHT_STEPS = 100, 100
-START_UNIFORM, CENTRING, TO_BOUNDARY = 0.1, 0.1, 0.95
+MAX_ACTIVE_SET_ROUNDS, MAX_INTERIOR_POINT_STEPS = 100, 100
+UNIFORM_START_FRACTION, CENTRING_PARAMETER, BOUNDARY_STEP_FRACTION = 0.1, 0.1, 0.95
 """Of the interior-point method: equal weights in the start, μ over the last one, and the part of
 the way to where a weight or a slack is zero."""
-MIN_SLACK, MIN_ACTIVE_WEIGHT = 1e-14, 1e-12
+COMPLEMENTARITY_TOLERANCE, MIN_ACTIVE_WEIGHT = 1e-14, 1e-12
 """Slack that is left, relative, and the weight that stands for none in further rounds."""
 SAME_DERIVATIVES_DISTANCE = 5e-3
 """Relative distance of derivatives within which points of a support are one."""
 SAME_POINT_DISTANCE = 0.1
 """In the unit cube, within which the mean of such points is taken."""
 MAX_PEAK_ROUNDS = 20
-SAMPLE_OF_ONE_FACTOR = 512
+SAMPLE_SIZE_OF_ONE_FACTOR = 512
 """Points at which the sensitivity is looked at besides the candidates; twice as many for each
 further factor."""
-MIN_CLIMBED_SENSITIVITY = 0.8
+MIN_CLIMB_START_SENSITIVITY = 0.8
 """Of a point from which a peak above one may be near."""
 MAX_CLIMB_STEPS, MIN_CLIMB_STEP = 300, 1e-8
-EXCHANGE_STARTS = 50
+EXCHANGE_START_COUNT = 50
 """Of an exchange, from different points."""
-REGULARISING_INFORMATION = 1e-6
+REGULARISATION_FRACTION = 1e-6
 """Information of an exchange at its start, as a share of the candidates' mean: M is never singular.
 """
 
@@ -117,7 +117,7 @@ def log_determinant(derivatives: ArrayLike, weights: ArrayLike | None = None) ->
     Equal weights by default. Minus infinity where M is singular.
     """
     pivots = np.diagonal(
-        _information_roots(stacked_derivatives(derivatives), weights), axis1=1, axis2=2
+        _information_cholesky(stacked_derivatives(derivatives), weights), axis1=1, axis2=2
     )
     with np.errstate(divide="ignore"):
         return np.asarray(2 * np.log(np.abs(pivots)).sum(axis=1))
@@ -131,15 +131,15 @@ def sensitivity(
     Equal weights by default. Undefined derivatives give zero. Infinite where M is singular.
     """
     roots, other = (
-        _information_roots(stacked_derivatives(design), weights),
+        _information_cholesky(stacked_derivatives(design), weights),
         stacked_derivatives(derivatives),
     )
     if not roots.any(axis=(1, 2)).all():
         return np.full(other.shape[1], np.inf)
-    return np.asarray(_variance_functions(other, roots).mean(axis=0) / other.shape[2])
+    return np.asarray(_prediction_variances(other, roots).mean(axis=0) / other.shape[2])
 
 
-def _information_roots(f: Array, weights: ArrayLike | None = None) -> Array:
+def _information_cholesky(f: Array, weights: ArrayLike | None = None) -> Array:
     """Triangular factors R of M = RᵀR, shape (K, p, p); zero where M is singular."""
     layers, points, parameters = f.shape
     if points < parameters:
@@ -147,16 +147,16 @@ def _information_roots(f: Array, weights: ArrayLike | None = None) -> Array:
     design_weights = np.full(points, 1 / points) if weights is None else np.asarray(weights)
     roots = np.linalg.qr(np.sqrt(design_weights)[:, None] * f, mode="r")
     pivots = np.abs(np.diagonal(roots, axis1=1, axis2=2))
-    singular = np.any(pivots <= SINGULAR_ROOT_DIAGONAL * np.linalg.norm(roots, axis=1), axis=1)
+    singular = np.any(pivots <= SINGULAR_DIAGONAL_TOLERANCE * np.linalg.norm(roots, axis=1), axis=1)
     return np.where(singular[:, None, None], 0.0, roots)
 
 
-def _variance_functions(f: Array, roots: Array) -> Array:
+def _prediction_variances(f: Array, roots: Array) -> Array:
     """Variance functions f'M⁻¹f of every candidate, shape (K, n)."""
     return np.sum((f @ np.linalg.inv(roots)) ** 2, axis=-1)
 
 
-def optimal_weights(
+def optimal_approximate_design(
     derivatives: ArrayLike, *, prior: ArrayLike | None = None, gap: float = 1e-6
 ) -> ApproximateDesign:
     """The D-optimal weights of n candidates, to an efficiency of 1 - gap.
@@ -171,7 +171,7 @@ def optimal_weights(
     f = stacked_derivatives(derivatives)
     layers, points, parameters = f.shape
     prior_weights = np.full(layers, 1 / layers) if prior is None else np.asarray(prior)
-    roots, scale = _information_roots(f), log_determinant(f)
+    roots, scale = _information_cholesky(f), log_determinant(f)
     if not np.isfinite(scale).all():
         raise InputError("design: the candidates cannot tell the parameters apart")
     f = f @ np.linalg.inv(roots)  # parameters in which M of equal weights is the identity
@@ -179,15 +179,15 @@ def optimal_weights(
     picks = [qr(layer.T, mode="r", pivoting=True)[1][:parameters] for layer in f]
     weights = np.zeros(points)
     weights[np.unique(np.concatenate(picks))] = 1.0
-    for _ in range(MAX_WEIGHT_ROUNDS):
+    for _ in range(MAX_ACTIVE_SET_ROUNDS):
         active = np.flatnonzero(weights)
-        best = _optimised_weights(
+        best = _interior_point_weights(
             f[:, active], weights[active] / weights.sum(), prior_weights, gap=gap / 4
         )
         weights[active] = np.where(best < MIN_ACTIVE_WEIGHT, 0, best)
         weights /= weights.sum()
-        roots = _information_roots(f[:, active], weights[active])
-        level = prior_weights @ _variance_functions(f, roots) / parameters
+        roots = _information_cholesky(f[:, active], weights[active])
+        level = prior_weights @ _prediction_variances(f, roots) / parameters
         if level.max() <= 1 + gap:
             break
         weights[np.argpartition(level, -parameters)[-parameters:]] += 1e-2
@@ -205,13 +205,15 @@ def maximin_design(derivatives: ArrayLike) -> ApproximateDesign:
     """
     stack = stacked_derivatives(derivatives)
     layers, parameters = len(stack), stack.shape[2]
-    goal = np.array([float(optimal_weights(layer, gap=1e-7).log_det[0]) for layer in stack])
-    best, least, ceiling = optimal_weights(stack), -np.inf, 0.0
+    goal = np.array(
+        [float(optimal_approximate_design(layer, gap=1e-7).log_det[0]) for layer in stack]
+    )
+    best, least, ceiling = optimal_approximate_design(stack), -np.inf, 0.0
 
     def mean_log_efficiency(prior: Array) -> tuple[float, Array]:
         nonlocal best, ceiling, least
         prior = np.maximum(prior, 0) / np.maximum(prior, 0).sum()
-        design = optimal_weights(stack, prior=prior, gap=1e-8)
+        design = optimal_approximate_design(stack, prior=prior, gap=1e-8)
         logs = (design.log_det - goal) / parameters
         if logs.min() > least:
             best, least = design, float(logs.min())
@@ -230,25 +232,28 @@ def maximin_design(derivatives: ArrayLike) -> ApproximateDesign:
     return replace(best, efficiency_bound=float(min(1.0, np.exp(least - ceiling))))
 
 
-def _optimised_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Array:
+def _interior_point_weights(f: Array, weights: Array, prior: Array, *, gap: float) -> Array:
     """The best weights of a few points, by a primal-dual interior-point method.
 
     Optimal are weights w with slacks z ≥ 0 of the equivalence theorem, d + z = λ and w z = 0; the
     method follows w z = μ to μ → 0. As Σ w d = p, what is left is λ/p − 1 = Σ w z/p.
     """
     parameters = f.shape[2]
-    weights = (1 - START_UNIFORM) * weights + START_UNIFORM / len(weights)
-    variances = prior @ _variance_functions(f, _information_roots(f, weights))
-    ceiling = (1 + START_UNIFORM) * variances.max()
+    weights = (1 - UNIFORM_START_FRACTION) * weights + UNIFORM_START_FRACTION / len(weights)
+    variances = prior @ _prediction_variances(f, _information_cholesky(f, weights))
+    ceiling = (1 + UNIFORM_START_FRACTION) * variances.max()
     slack = ceiling - variances
-    for _ in range(MAX_WEIGHT_STEPS):
-        part = f @ np.linalg.inv(_information_roots(f, weights))
+    for _ in range(MAX_INTERIOR_POINT_STEPS):
+        part = f @ np.linalg.inv(_information_cholesky(f, weights))
         cross = part @ part.transpose(0, 2, 1)
         variances = prior @ np.diagonal(cross, axis1=1, axis2=2)
         left = float(weights @ slack)
-        if variances.max() <= (1 + gap) * parameters and left <= MIN_SLACK * parameters:
+        if (
+            variances.max() <= (1 + gap) * parameters
+            and left <= COMPLEMENTARITY_TOLERANCE * parameters
+        ):
             break
-        centred = CENTRING * left / len(weights)
+        centred = CENTRING_PARAMETER * left / len(weights)
         matrix = np.einsum("k,kij->ij", prior, cross**2) + np.diag(slack / weights)
         sides = np.stack([variances - ceiling + centred / weights, np.ones(len(weights))], axis=1)
         change, per_ceiling = np.linalg.solve(matrix, sides).T
@@ -256,14 +261,14 @@ def _optimised_weights(f: Array, weights: Array, prior: Array, *, gap: float) ->
         change -= ceiling_change * per_ceiling
         slack_change = (centred - slack * change) / weights - slack
         fall = max(np.max(-change / weights), np.max(-slack_change / slack))
-        step = min(1.0, TO_BOUNDARY / fall) if fall > 0 else 1.0
+        step = min(1.0, BOUNDARY_STEP_FRACTION / fall) if fall > 0 else 1.0
         weights, slack = weights + step * change, slack + step * slack_change
         weights, ceiling = weights / weights.sum(), ceiling + step * ceiling_change
     return weights
 
 
-def optimal_in_box(
-    gradients: Gradients, space: Space, candidates: Array, *, gap: float = 1e-10
+def optimal_design_in_space(
+    gradients: GradientFunction, space: Space, candidates: Array, *, gap: float = 1e-10
 ) -> ContinuousDesign:
     """The best approximate design anywhere in the space, from a grid of candidates, shape (n, k).
 
@@ -275,13 +280,15 @@ def optimal_in_box(
     points_tried, known = candidates, stacked_derivatives(gradients(candidates))
     best, highest = ContinuousDesign(candidates[:0], np.empty(0)), 0.0
     factors = candidates.shape[1]
-    sample_size = SAMPLE_OF_ONE_FACTOR * 2 ** (factors - 1)
+    sample_size = SAMPLE_SIZE_OF_ONE_FACTOR * 2 ** (factors - 1)
     for number in range(MAX_PEAK_ROUNDS):
         unit = np.clip(space.to_unit(points_tried), 0, 1)
-        merged = _merged_support(known, unit, optimal_weights(known, gap=gap / 10).weights)
+        merged = _merged_support_points(
+            known, unit, optimal_approximate_design(known, gap=gap / 10).weights
+        )
         points = space.from_unit(merged)
         own = stacked_derivatives(gradients(points))
-        design = optimal_weights(own, gap=gap / 10)
+        design = optimal_approximate_design(own, gap=gap / 10)
         weights = design.weights
 
         def sensitivity_at(unit: Array, own: Array = own, weights: Array = weights) -> Array:
@@ -293,8 +300,8 @@ def optimal_in_box(
         sample = qmc.Sobol(factors, rng=number).random(sample_size)
         looked_at = np.concatenate([unit, sample])
         heights = np.concatenate([level, sensitivity_at(sample)])
-        starts = looked_at[_local_maxima(looked_at, heights)]
-        peaks = _climbed(sensitivity_at, starts, step=sample_size ** (-1 / factors))
+        starts = looked_at[_local_maximum_indices(looked_at, heights)]
+        peaks = _climb_to_maxima(sensitivity_at, starts, step=sample_size ** (-1 / factors))
         peak_heights = sensitivity_at(peaks)
         bound = float(1 / max(1.0, heights.max(), peak_heights.max()))
         if bound > highest:
@@ -309,14 +316,14 @@ def optimal_in_box(
     return best
 
 
-def _local_maxima(unit: Array, heights: Array) -> Indices:
+def _local_maximum_indices(unit: Array, heights: Array) -> Indices:
     """The points, shape (n, k), that none of their neighbours exceeds, of those worth a climb."""
     _, neighbours = cKDTree(unit).query(unit, k=2 * unit.shape[1] + 1)
     highest = heights[neighbours].max(axis=1) <= heights * (1 + 1e-12)
-    return np.flatnonzero(highest & (heights >= MIN_CLIMBED_SENSITIVITY))
+    return np.flatnonzero(highest & (heights >= MIN_CLIMB_START_SENSITIVITY))
 
 
-def _climbed(height_at: Callable[[Array], Array], starts: Array, *, step: float) -> Array:
+def _climb_to_maxima(height_at: Callable[[Array], Array], starts: Array, *, step: float) -> Array:
     """The maxima next to points of the unit cube, shape (n, k).
 
     Each point tries a step along either direction of each factor, and its last move again, and
@@ -344,14 +351,14 @@ def _climbed(height_at: Callable[[Array], Array], starts: Array, *, step: float)
     return at
 
 
-def _merged_support(f: Array, unit: Array, weights: Array) -> Array:
+def _merged_support_points(f: Array, unit: Array, weights: Array) -> Array:
     """The points with a weight, shape (s, k), those of nearly equal derivatives as one.
 
     It lies at the weighted mean of those near the heaviest: the best point is between them.
     """
     used = np.argsort(-weights)[: np.count_nonzero(weights > MIN_SUPPORT_WEIGHT)]
     rows = np.concatenate(
-        f[:, used] @ np.linalg.inv(_information_roots(f[:, used], weights[used])), axis=1
+        f[:, used] @ np.linalg.inv(_information_cholesky(f[:, used], weights[used])), axis=1
     )
     alike = cdist(rows, rows) <= SAME_DERIVATIVES_DISTANCE * np.sqrt(rows.shape[1])
     near = cdist(unit[used], unit[used]) <= SAME_POINT_DISTANCE
@@ -364,7 +371,7 @@ def _merged_support(f: Array, unit: Array, weights: Array) -> Array:
     return np.array(merged)
 
 
-def exchange(
+def exact_design_by_exchange(
     derivatives: ArrayLike,
     points: int,
     *,
@@ -372,7 +379,7 @@ def exchange(
     coordinates: ArrayLike | None = None,
     existing_coordinates: ArrayLike | None = None,
     separation: float = 0.0,
-    starts: int = EXCHANGE_STARTS,
+    starts: int = EXCHANGE_START_COUNT,
     seed: int = 1,
 ) -> Indices:
     """The best exact design found among candidates, by exchange from several starts.
@@ -403,25 +410,25 @@ def exchange(
         near = cdist(positions, np.asarray(existing_coordinates))
         allowed &= ~np.any(near < max(separation, 1e-9), axis=1)
 
-    def candidates_left(chosen: Indices) -> Indices:
+    def admissible_candidates(chosen: Indices) -> Indices:
         """The candidates that may join the points chosen."""
         far = np.all(cdist(positions, positions[chosen]) >= separation * (1 - 1e-9), axis=1)
         return np.setdiff1d(np.flatnonzero(allowed & far), chosen)
 
     def add_best_points(chosen: Indices) -> Indices:
         """The points chosen and more that fit in, each time the one with the largest gain."""
-        while len(chosen) < points and len(open_to := candidates_left(chosen)):
+        while len(chosen) < points and len(open_to := admissible_candidates(chosen)):
             matrix = (
                 known
                 + _information_matrices(f[:, chosen])
-                + REGULARISING_INFORMATION * np.eye(f.shape[2])
+                + REGULARISATION_FRACTION * np.eye(f.shape[2])
             )
             others = f[:, open_to]
             gain = np.log1p(np.einsum("kni,kni->kn", others @ np.linalg.inv(matrix), others))
             chosen = np.append(chosen, open_to[np.argmax(gain.mean(axis=0))])
         return chosen
 
-    def log_det(chosen: Indices) -> float:
+    def mean_log_determinant(chosen: Indices) -> float:
         """Mean log det of the information; minus infinity where it is singular."""
         matrix = known + _information_matrices(f[:, chosen])
         if np.linalg.cond(matrix).max() > 1e14:
@@ -434,17 +441,19 @@ def exchange(
         # The first start is greedy from nothing, the others from one or more random points.
         chosen = np.empty(0, dtype=int)
         for _ in range(min(start, points)):
-            if len(open_to := candidates_left(chosen)):
+            if len(open_to := admissible_candidates(chosen)):
                 chosen = np.append(chosen, rng.choice(open_to))
         chosen = add_best_points(chosen)
         most = max(most, len(chosen))
         if len(chosen) < points:
             continue  # these points leave no room for as many
-        value, tried = log_det(chosen), 0
+        value, tried = mean_log_determinant(chosen), 0
         while tried < points:
             other = add_best_points(chosen[1:])  # the first point for the best one
-            tried = 0 if log_det(other) > value + 1e-10 else tried + 1
-            value, chosen = (log_det(other), other) if tried == 0 else (value, np.roll(chosen, -1))
+            tried = 0 if mean_log_determinant(other) > value + 1e-10 else tried + 1
+            value, chosen = (
+                (mean_log_determinant(other), other) if tried == 0 else (value, np.roll(chosen, -1))
+            )
         if value > highest:
             best, highest = np.sort(chosen), value
     if most < points:

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import Bounds, linear_sum_assignment, minimize
 
-from squeezefilm.designs.optimal import Gradients, log_determinant
-from squeezefilm.designs.space import Array, Coordinates, Space, pair_distances
+from squeezefilm.designs.optimal import GradientFunction, log_determinant
+from squeezefilm.designs.space import Array, CoordinateFunction, Space, pair_distances
 from squeezefilm.errors import InputError
 from squeezefilm.models.search import genetic_search
 
-SINGULAR_CRITERION = 1e100
+SINGULAR_CRITERION_VALUE = 1e100
 """Value of a criterion where parameters cannot be told apart or points coincide."""
 
 GENETIC_POPULATION, GENETIC_GENERATIONS = 100, 60
@@ -29,7 +29,7 @@ RANDOM_KICK_SIZE = 0.05
 """Descents from a design kicked by so much, in unit factors, before a search is believed."""
 EQUAL_CRITERION_TOLERANCE = 1e-9
 """Share up to which two values of a criterion are one: what rounding makes of a determinant."""
-POINTS_PER_RATIO_LINE = 101
+TRIAL_POINTS_PER_RATIO_LINE = 101
 """Places tried on a line of equally good points."""
 SAME_POINT_DISTANCE = 0.05
 """Distance in unit factors up to which two points are one."""
@@ -38,25 +38,26 @@ SAME_POINT_DISTANCE = 0.05
 def inverse_determinant(derivatives: ArrayLike) -> Array:
     """|det(F'F)^-1| (paper eq. 11) of designs with derivatives F of shape (..., N, p).
 
-    From the triangular factor of F, whose condition is the root of that of F'F. SINGULAR_CRITERION
-    where F'F is singular. Derivatives that are undefined (NaN) count as no information.
+    From the triangular factor of F, whose condition is the root of that of F'F.
+    SINGULAR_CRITERION_VALUE where F'F is singular. Derivatives that are undefined (NaN) count as no
+    information.
     """
     derivatives = np.asarray(derivatives, dtype=float)
     points, parameters = derivatives.shape[-2:]
     if points < parameters:
-        return np.full(derivatives.shape[:-2], SINGULAR_CRITERION)
+        return np.full(derivatives.shape[:-2], SINGULAR_CRITERION_VALUE)
     usable = np.where(np.isfinite(derivatives), derivatives, 0.0)
     triangle = np.linalg.qr(usable, mode="r")
     determinant = np.prod(np.diagonal(triangle, axis1=-2, axis2=-1), axis=-1) ** 2
-    return 1 / np.maximum(determinant, 1 / SINGULAR_CRITERION)
+    return 1 / np.maximum(determinant, 1 / SINGULAR_CRITERION_VALUE)
 
 
-def inverse_distances(points: ArrayLike) -> Array:
+def sum_of_inverse_distances(points: ArrayLike) -> Array:
     """Sum of 1/|xi_i - xi_j| over all pairs of points (in eq. 12), shape (..., N, k) -> (...).
 
-    SINGULAR_CRITERION where two points coincide.
+    SINGULAR_CRITERION_VALUE where two points coincide.
     """
-    return np.sum(1 / np.maximum(pair_distances(points), 1 / SINGULAR_CRITERION), axis=-1)
+    return np.sum(1 / np.maximum(pair_distances(points), 1 / SINGULAR_CRITERION_VALUE), axis=-1)
 
 
 def d_efficiency(derivatives: ArrayLike, optimal: ArrayLike) -> float:
@@ -74,13 +75,13 @@ class Criterion:
 
     The determinant (11) alone; plus the inverse distances of (12) where `distance` gives the
     coordinates to take them in; and, where `separation` is set, only for designs whose points are
-    at least that far apart in the coordinates `apart` (SINGULAR_CRITERION for any other).
+    at least that far apart in the coordinates `apart` (SINGULAR_CRITERION_VALUE for any other).
     """
 
-    gradient: Gradients
+    gradient: GradientFunction
     space: Space
-    distance: Coordinates | None = None
-    apart: Coordinates | None = None
+    distance_coordinates: CoordinateFunction | None = None
+    separation_coordinates: CoordinateFunction | None = None
     separation: float = 0.0
 
     def derivatives(self, designs: Array) -> Array:
@@ -91,16 +92,16 @@ class Criterion:
     def value(self, designs: Array) -> Array:
         """Value of designs of shape (..., N, k), shape (...)."""
         value = inverse_determinant(self.derivatives(designs))
-        if self.distance is not None:
-            value = value + inverse_distances(self.distance(designs))
+        if self.distance_coordinates is not None:
+            value = value + sum_of_inverse_distances(self.distance_coordinates(designs))
         far = self.distances_beyond_separation(designs).min(axis=-1) >= -1e-9
-        return np.where(far, np.minimum(value, SINGULAR_CRITERION), SINGULAR_CRITERION)
+        return np.where(far, np.minimum(value, SINGULAR_CRITERION_VALUE), SINGULAR_CRITERION_VALUE)
 
     def distances_beyond_separation(self, designs: Array) -> Array:
         """Distance of each pair of points beyond the separation, shape (..., N(N-1)/2)."""
-        if self.apart is None:
+        if self.separation_coordinates is None:
             return np.zeros((*designs.shape[:-2], 1))
-        return pair_distances(self.apart(designs)) - self.separation
+        return pair_distances(self.separation_coordinates(designs)) - self.separation
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +139,7 @@ def search_design(criterion: Criterion, points: int, *, seed: int) -> Design:
         scale=RANDOM_KICK_SIZE, size=(RANDOM_KICK_COUNT, *shape)
     ):
         start = space.from_unit(np.clip(space.to_unit(best.points) + kick, 0, 1))
-        if float(criterion.value(start)) < SINGULAR_CRITERION:
+        if float(criterion.value(start)) < SINGULAR_CRITERION_VALUE:
             best = min(best, local_descent(criterion, start), key=lambda design: design.value)
     return best
 
@@ -151,57 +152,60 @@ def local_descent(criterion: Criterion, points: Array) -> Design:
     """
     space = criterion.space
     start = float(criterion.value(points))
-    if start >= SINGULAR_CRITERION:
+    if start >= SINGULAR_CRITERION_VALUE:
         raise InputError(
             "design: F'F is singular, or points are closer than allowed; give more points than "
             "parameters, a wider box or a smaller separation"
         )
 
-    def designs_of_unit(unit: Array) -> Array:
+    def designs_from_unit(unit: Array) -> Array:
         return space.from_unit(unit.reshape(*unit.shape[:-1], *points.shape))
 
     # The separation is left to the constraint: a wall in the objective would stop the descent.
-    smooth = replace(criterion, apart=None)
+    smooth = replace(criterion, separation_coordinates=None)
 
-    def criterion_value(unit: Array) -> Array:
-        return np.log(smooth.value(designs_of_unit(unit)) / start)
+    def log_criterion(unit: Array) -> Array:
+        return np.log(smooth.value(designs_from_unit(unit)) / start)
 
     def separation_constraints(unit: Array) -> Array:
-        return criterion.distances_beyond_separation(designs_of_unit(unit))
+        return criterion.distances_beyond_separation(designs_from_unit(unit))
 
     apart = {
         "type": "ineq",
         "fun": separation_constraints,
-        "jac": lambda u: _with_difference_gradient(separation_constraints, u)[1],
+        "jac": lambda u: _value_and_gradient(separation_constraints, u)[1],
     }
     best, value = np.clip(space.to_unit(points).ravel(), 0, 1), 0.0
     for _ in range(20):
         step = minimize(
-            lambda u: _with_difference_gradient(criterion_value, u),
+            lambda u: _value_and_gradient(log_criterion, u),
             best,
             jac=True,
             method="SLSQP",
             bounds=Bounds(np.zeros(len(best)), np.ones(len(best))),
-            constraints=[] if criterion.apart is None else [apart],
+            constraints=[] if criterion.separation_coordinates is None else [apart],
             options={"ftol": 1e-14, "maxiter": 500},
         )
         unit = np.clip(step.x, 0, 1)
-        fell = value - float(np.log(criterion.value(designs_of_unit(unit)) / start))
+        fell = value - float(np.log(criterion.value(designs_from_unit(unit)) / start))
         if fell > 0:
             best, value = unit, value - fell
         if fell < 1e-11:
             break
-    designs_found = designs_of_unit(best)
-    return Design(_points_in_order(designs_found, space), float(criterion.value(designs_found)))
+    designs_found = designs_from_unit(best)
+    return Design(_sorted_points(designs_found, space), float(criterion.value(designs_found)))
 
 
-def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, str]) -> Design:
+def spread_along_ratio_lines(
+    criterion: Criterion, design: Design, *, ratio: tuple[str, str]
+) -> Design:
     """Return the design with distant points among equally good ones, as eq. 12 would choose.
 
     A response that knows two factors by their ratio alone, here named, is the same all along a line
     of equal ratio: the determinant leaves a point free there, and rounding would choose its place.
-    Point by point, of POINTS_PER_RATIO_LINE on its line those are taken at which the criterion is
-    the same, and of them the one with the least sum of inverse distances in unit factors.
+    Point by point, of TRIAL_POINTS_PER_RATIO_LINE on its line those are taken at which the
+    criterion is the same, and of them the one with the least sum of inverse distances in unit
+    factors.
     """
     space = criterion.space
     columns = [space.names.index(name) for name in ratio]
@@ -210,18 +214,16 @@ def spread_on_lines(criterion: Criterion, design: Design, *, ratio: tuple[str, s
     for number, point in enumerate(points):
         both = point[columns]
         ends = np.max(low / both), np.min(high / both)
-        scale = np.append(1.0, np.linspace(*ends, POINTS_PER_RATIO_LINE))
+        scale = np.append(1.0, np.linspace(*ends, TRIAL_POINTS_PER_RATIO_LINE))
         trials = np.repeat(points[None], len(scale), axis=0)
         trials[:, number, columns] = np.clip(scale[:, None] * both, low, high)
         equal = criterion.value(trials) <= design.value * (1 + EQUAL_CRITERION_TOLERANCE)
-        distances = np.where(equal, inverse_distances(space.to_unit(trials)), np.inf)
+        distances = np.where(equal, sum_of_inverse_distances(space.to_unit(trials)), np.inf)
         points = trials[int(np.argmin(distances))] if equal.any() else points
-    return replace(design, points=_points_in_order(points, space))
+    return replace(design, points=_sorted_points(points, space))
 
 
-def _with_difference_gradient(
-    function: Callable[[Array], Array], unit: Array
-) -> tuple[Array, Array]:
+def _value_and_gradient(function: Callable[[Array], Array], unit: Array) -> tuple[Array, Array]:
     """Value, and derivative by differences that stay within [0, 1], in one call of the function.
 
     It takes a stack of arguments.
@@ -234,7 +236,7 @@ def _with_difference_gradient(
     return value[0], (rise.T / width).squeeze()
 
 
-def _points_in_order(points: Array, space: Space) -> Array:
+def _sorted_points(points: Array, space: Space) -> Array:
     """Points in a fixed order: by the first factor, then the second, and so on."""
     return points[np.lexsort(np.round(space.to_unit(points), 4).T[::-1])]
 
@@ -248,7 +250,7 @@ class DesignPattern:
 
     name: str
     design: Design
-    members: tuple[int, ...]
+    design_indices: tuple[int, ...]
 
 
 @dataclass(eq=False)
@@ -260,7 +262,7 @@ class SupportPoint:
     pattern_names: list[str]
 
 
-def find_patterns(designs: Sequence[Design], space: Space) -> list[DesignPattern]:
+def find_design_patterns(designs: Sequence[Design], space: Space) -> list[DesignPattern]:
     """Designs gathered into patterns, the best first, named A, B, C ...
 
     Two designs are the same pattern where their points can be paired so that no pair is further
@@ -314,13 +316,15 @@ def add_corner_points(
             f"ask for at least {len(regions)}"
         )
     # Without distances in the criterion a replicate would be as good as any other point.
-    spaced = replace(criterion, distance=criterion.distance or criterion.space.to_unit)
+    spaced = replace(
+        criterion, distance_coordinates=criterion.distance_coordinates or criterion.space.to_unit
+    )
     candidates, extended = criterion.space.levels(2), list(regions)
     while len(extended) < points:
         kept = [region.point for region in extended]
         trials = np.array([[*kept, corner] for corner in candidates])
         values = spaced.value(trials)
-        if values.min() >= SINGULAR_CRITERION:
+        if values.min() >= SINGULAR_CRITERION_VALUE:
             raise InputError(f"design: no corner is left for one of {points} points; ask for fewer")
         extended.append(SupportPoint(candidates[int(np.argmin(values))], ["augmentation"]))
     return extended

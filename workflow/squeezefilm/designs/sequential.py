@@ -40,22 +40,27 @@ from scipy import stats
 from scipy.spatial.distance import cdist
 
 from squeezefilm.config.study import Refine
-from squeezefilm.designs.optimal import Array, Indices, exchange, sensitivity
+from squeezefilm.designs.optimal import Array, Indices, exact_design_by_exchange, sensitivity
 from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.models.data import Factors
-from squeezefilm.models.fitting import check_identifiable, fit_model, local_fit, sum_of_squares
+from squeezefilm.models.fitting import (
+    check_identifiable,
+    fit_model,
+    local_fit_theta,
+    sum_of_squares,
+)
 from squeezefilm.models.force_model import ExpressionModel
 
-SimulatePoints = Callable[[Indices], tuple[Array, Array]]
+PointSimulator = Callable[[Indices], tuple[Array, Array]]
 """From points of the pool to their forces and the errors of these, in newtons."""
 
 CONFIDENCE_LEVEL = 0.95
-MAX_FLOOR_OVER_ERROR = 3.0
+MAX_RESIDUAL_ERROR_RATIO = 3.0
 """A misfit below so many times the simulations' own error may come from them."""
 
 
 @dataclass(frozen=True, eq=False)
-class Pool:
+class PointPool:
     """All points the loop knows of: their factors, shape (n,), and coordinates, shape (n, c).
 
     candidates may be simulated and fitted, verification are simulated and not fitted, typical are
@@ -67,11 +72,11 @@ class Pool:
     coordinates: Array
     candidates: Indices
     verification: Indices
-    fair_sample: Indices
+    fair_sample_indices: Indices
 
 
 @dataclass(frozen=True, eq=False)
-class Round:
+class RefinementRound:
     """One pass of the loop: the points fitted, the fit, and what is estimated of its errors.
 
     Errors are relative to the root mean square force over the space. global_lower and global_upper
@@ -90,7 +95,7 @@ class Round:
     global_upper: float
     lack_of_fit: float
     worst_error: float
-    worst_at: int
+    worst_error_index: int
     parameter_fraction: float
     floor: float
     simulation_error: float
@@ -107,11 +112,11 @@ class Outcome:
 
     verdict: str
     reason: str
-    rounds: list[Round]
-    hindsight: Array
-    simulated: Indices
+    rounds: list[RefinementRound]
+    theta_of_all_points: Array
+    simulated_indices: Indices
     force_n: Array
-    scale_n: float
+    rms_force_n: float
 
 
 @dataclass
@@ -124,9 +129,9 @@ class SequentialDesign:
     """
 
     model: ExpressionModel
-    pool: Pool
+    pool: PointPool
     settings: Refine
-    simulate: SimulatePoints
+    simulate: PointSimulator
     bound: float
     force_n: Array = field(init=False)
     error_n: Array = field(init=False)
@@ -151,7 +156,7 @@ class SequentialDesign:
                 seed = self.settings.seed
                 global_fit = fit_model(self.model, factors, force, bound=self.bound, seed=seed)
                 start = np.array(global_fit.theta)
-            theta = local_fit(self.model, factors, force, start)
+            theta = local_fit_theta(self.model, factors, force, start)
             squares = sum_of_squares(self.model, factors, force, theta)
             if not len(best) or squares < least:
                 best, least = theta, squares
@@ -160,7 +165,7 @@ class SequentialDesign:
     def residuals(self, theta: Array, points: Indices) -> Array:
         return self.model.evaluate(theta, self.pool.factors.take(points)) - self.force_n[points]
 
-    def variances(self, theta: Array, design: Indices, points: Indices) -> Array:
+    def prediction_variances(self, theta: Array, design: Indices, points: Indices) -> Array:
         """f'(F'F)^-1 f at points, F being that of the design; infinite where it is singular."""
         if not len(theta):
             return np.zeros(len(points))
@@ -171,11 +176,11 @@ class SequentialDesign:
 
     def scale(self, theta: Array) -> float:
         """Root mean square force over the space, by the model."""
-        force = self.model.evaluate(theta, self.pool.factors.take(self.pool.fair_sample))
+        force = self.model.evaluate(theta, self.pool.factors.take(self.pool.fair_sample_indices))
         known = force[np.isfinite(force)]
         return float(np.sqrt(np.mean(known**2))) if len(known) else nan
 
-    def first_points(self) -> Indices:
+    def initial_design_indices(self) -> Indices:
         """One point more than there are parameters, far from each other and from what verifies.
 
         Raises InputError where there is no room for them, or where no candidates tell the
@@ -208,7 +213,7 @@ class SequentialDesign:
     def most_informative_indices(self, theta: Array, design: Indices) -> Indices:
         """The most informative points about the parameters, besides those of the design."""
         pool, model = self.pool, self.model
-        chosen = exchange(
+        chosen = exact_design_by_exchange(
             model.gradient(theta, pool.factors.take(pool.candidates)),
             self.settings.batch,
             existing=model.gradient(theta, pool.factors.take(design)),
@@ -220,9 +225,9 @@ class SequentialDesign:
         )
         return np.asarray(pool.candidates[chosen])
 
-    def round_estimates(
+    def estimated_round(
         self, number: int, design: Indices, theta: Array, hindsight: Array, surprise: Array
-    ) -> Round:
+    ) -> RefinementRound:
         """The round's estimates; surprise are errors at the newest points before their fit."""
         checks, scale = self.pool.verification, self.scale(hindsight)
         misses, count = self.residuals(theta, checks), len(checks)
@@ -231,12 +236,12 @@ class SequentialDesign:
         lower, upper = np.sqrt(
             count / stats.chi2.ppf([CONFIDENCE_LEVEL, 1 - CONFIDENCE_LEVEL], count)
         )
-        spread = self.variances(theta, design, checks)
+        spread = self.prediction_variances(theta, design, checks)
         # Of a design that does not settle the parameters nothing is known but the errors seen.
         settled = np.isfinite(spread).all()
         lack = float(np.sqrt(np.mean(misses**2 / (1 + spread)))) if settled else nan
-        pool_points = np.concatenate([self.pool.candidates, self.pool.fair_sample])
-        variance = self.variances(theta, design, pool_points)
+        pool_points = np.concatenate([self.pool.candidates, self.pool.fair_sample_indices])
+        variance = self.prediction_variances(theta, design, pool_points)
         at = int(np.argmax(variance))
         known = isfinite(variance[at]) and isfinite(lack)
         times = float(stats.t.ppf((1 + CONFIDENCE_LEVEL) / 2, count))
@@ -244,7 +249,7 @@ class SequentialDesign:
         seen = np.abs(np.concatenate([misses, surprise])).max()
         simulated = np.concatenate([checks, design])
         left, own = self.residuals(hindsight, simulated), self.error_n[simulated]
-        return Round(
+        return RefinementRound(
             number=number,
             design=design,
             simulations=len(simulated),
@@ -254,13 +259,13 @@ class SequentialDesign:
             global_upper=relative * float(upper),
             lack_of_fit=lack / scale,
             worst_error=float(max(width, seen)) / scale,
-            worst_at=int(pool_points[at]),
+            worst_error_index=int(pool_points[at]),
             parameter_fraction=float(variance[at] / (1 + variance[at])) if known else 1.0,
             floor=float(np.sqrt(np.mean(left**2))) / scale,
             simulation_error=float(np.sqrt(np.mean(own**2))) / scale,
         )
 
-    def verdict(self, last: Round, hindsight: Array) -> tuple[str, str]:
+    def verdict(self, last: RefinementRound, hindsight: Array) -> tuple[str, str]:
         """The loop's end and the reason for it; nothing while it should go on."""
         settings, parameters = self.settings, self.parameters
         below = (
@@ -271,7 +276,7 @@ class SequentialDesign:
                 f"global error {last.global_error:.2g}, below {last.global_upper:.2g} with 95 %; "
                 f"worst error {last.worst_error:.2g}"
             )
-        numerical = last.floor <= MAX_FLOOR_OVER_ERROR * last.simulation_error
+        numerical = last.floor <= MAX_RESIDUAL_ERROR_RATIO * last.simulation_error
         what = "simulation" if numerical else "model"
         if last.simulations > parameters and last.floor > settings.worst_error:
             return what, (
@@ -279,7 +284,7 @@ class SequentialDesign:
                 f"simulated below {last.floor:.2g} of the mean force; the target is "
                 f"{settings.worst_error:.2g}"
             )
-        least = self.least_global_error(hindsight)
+        least = self.least_reachable_global_error(hindsight)
         if least > settings.global_error:
             return what, (
                 "even the best fit to the verification points leaves a global error above "
@@ -295,7 +300,7 @@ class SequentialDesign:
             )
         return "", ""
 
-    def least_global_error(self, start: Array) -> float:
+    def least_reachable_global_error(self, start: Array) -> float:
         """Lower limit of the global error that the best parameters can have.
 
         From a fit to the verification points themselves: its residuals, with m - p degrees of
@@ -309,26 +314,26 @@ class SequentialDesign:
         mean_square = squares / float(stats.chi2.ppf(CONFIDENCE_LEVEL, spare))
         return float(np.sqrt(mean_square / np.mean(self.force_n[checks] ** 2)))
 
-    def run(self, report: Callable[[Round], object] = lambda done: None) -> Outcome:
+    def run(self, report: Callable[[RefinementRound], object] = lambda done: None) -> Outcome:
         """Run the loop until it ends; ``report`` is called with each round when it is done.
 
         Raises InputError where too few simulations are allowed, or no candidates tell the
         parameters apart.
         """
-        design, rounds = self.first_points(), list[Round]()
+        design, rounds = self.initial_design_indices(), list[RefinementRound]()
         self.simulate_points(np.concatenate([self.pool.verification, design]))
         start, surprise = None, np.empty(0)
         while True:
             simulated = np.concatenate([self.pool.verification, design])
             theta = self.fitted_theta(design, start)
             hindsight = self.fitted_theta(simulated, theta)
-            done = self.round_estimates(len(rounds) + 1, design, theta, hindsight, surprise)
+            done = self.estimated_round(len(rounds) + 1, design, theta, hindsight, surprise)
             verdict, reason = self.verdict(done, hindsight)
             if verdict in ("model", "simulation") and len(theta):
                 # The fit may sit in a local minimum: only a global search shows that none is lower.
                 hindsight = self.fitted_theta(simulated, hindsight, None)
                 theta = self.fitted_theta(design, theta, hindsight)
-                done = self.round_estimates(len(rounds) + 1, design, theta, hindsight, surprise)
+                done = self.estimated_round(len(rounds) + 1, design, theta, hindsight, surprise)
                 verdict, reason = self.verdict(done, hindsight)
             rounds.append(done)
             report(done)

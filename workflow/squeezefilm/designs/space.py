@@ -1,7 +1,8 @@
 """The space of an experiment: limits of its factors, and where distances in it are taken.
 
 A distance between points needs a common measure of their factors; eq. (12) of the paper does not
-name it and the outcome of a design depends on it, so it is always given by name: `coordinates`.
+name it and the outcome of a design depends on it, so it is always given by name:
+`coordinate_function`.
 """
 
 from collections.abc import Callable
@@ -12,15 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import POLAR
+from squeezefilm.film.positions import POLAR_COLUMNS
 
 Array = NDArray[np.float64]
-Coordinates = Callable[[Array], Array]
+CoordinateFunction = Callable[[Array], Array]
 
 UNITS_PER_METRE = {"micrometre": 1e6, "metre": 1.0}
 
 
-def all_points_allowed(points: Array) -> NDArray[np.bool_]:
+def all_allowed_mask(points: Array) -> NDArray[np.bool_]:
     """The mask of a space all of which can be simulated."""
     return np.ones(len(points), dtype=bool)
 
@@ -31,13 +32,13 @@ class Space:
 
     Attributes:
         limits: the lower and the upper one by the factors' names, in the order of a point's values.
-        allowed: mask, shape (n,), of the points, shape (n, k), that can be simulated.
-        position: the form in which positions stand in tables of its points.
+        allowed_mask: mask, shape (n,), of the points, shape (n, k), that can be simulated.
+        position_columns: the form in which positions stand in tables of its points.
     """
 
     limits: dict[str, tuple[float, float]]
-    allowed: Callable[[Array], NDArray[np.bool_]] = all_points_allowed
-    position: tuple[str, str] = POLAR
+    allowed_mask: Callable[[Array], NDArray[np.bool_]] = all_allowed_mask
+    position_columns: tuple[str, str] = POLAR_COLUMNS
 
     def __post_init__(self) -> None:
         for name, (low, high) in self.limits.items():
@@ -53,11 +54,11 @@ class Space:
         return tuple(self.limits)
 
     @property
-    def limits_of_all(self) -> dict[str, tuple[float, float]]:
+    def limits_of_all_factors(self) -> dict[str, tuple[float, float]]:
         """The limits of all four factors; those of the position of a centred pad are zero."""
         return {
             **self.limits,
-            **{name: self.limits.get(name, (0.0, 0.0)) for name in self.position},
+            **{name: self.limits.get(name, (0.0, 0.0)) for name in self.position_columns},
         }
 
     @property
@@ -95,7 +96,7 @@ class Space:
             if last - first == 360:  # the last direction is the first again
                 points = points[points[:, 3] < last]
             points = points[(points[:, 2] > 0) | (points[:, 3] == first)]
-        return points[self.allowed(points)]
+        return points[self.allowed_mask(points)]
 
     def sample(self, points: int, *, seed: int) -> Array:
         """A fair sample of the space: every place is as likely as any other.
@@ -116,13 +117,13 @@ class Space:
         kept = np.empty((0, len(self.limits)))
         for _ in range(100):
             drawn = self.from_unit(draw(points))
-            kept = np.concatenate([kept, drawn[self.allowed(drawn)]])
+            kept = np.concatenate([kept, drawn[self.allowed_mask(drawn)]])
             if len(kept) >= points:
                 return kept[:points]
         raise InputError("positions: hardly any pad position of the study lies on the surface")
 
 
-def coordinates(scaling: str, space: Space) -> Coordinates:
+def coordinate_function(scaling: str, space: Space) -> CoordinateFunction:
     """The coordinates in which distances between points are taken.
 
     unit: every factor scaled to [0, 1]; micrometre, metre: the factors as they are, all of them
@@ -130,7 +131,7 @@ def coordinates(scaling: str, space: Space) -> Coordinates:
     radius, so that two angles at the centre are one and the same scene; a Cartesian one as unit.
     """
 
-    def as_scenes(points: Array) -> Array:
+    def scene_coordinates(points: Array) -> Array:
         points = np.asarray(points, dtype=float)
         radius = points[..., 2] / space.limits["phi_r_m"][1]
         angle = np.deg2rad(points[..., 3])
@@ -139,7 +140,11 @@ def coordinates(scaling: str, space: Space) -> Coordinates:
 
     if scaling in UNITS_PER_METRE:
         return lambda points: np.asarray(points, dtype=float) * UNITS_PER_METRE[scaling]
-    return as_scenes if scaling == "scene" and space.names[2:] == POLAR else space.to_unit
+    return (
+        scene_coordinates
+        if scaling == "scene" and space.names[2:] == POLAR_COLUMNS
+        else space.to_unit
+    )
 
 
 _pair_indices = cache(partial(np.triu_indices, k=1))

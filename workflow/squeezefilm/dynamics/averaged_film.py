@@ -39,7 +39,7 @@ from squeezefilm.solution import Solution
 LAYER_DIFFERENCE_STEP = 1e-5
 # Unknowns along each side of the grids that are tried, and what the next must gain.
 GRID_POINT_COUNTS = (11, 15, 21, 31)
-MIN_ERROR_REDUCTION_RATIO = 0.9
+MAX_REFINED_ERROR_RATIO = 0.9
 # Of the periodic states' forces that those of settled films are compared with.
 PERIODIC_FORCE_TOLERANCE = 1e-4
 
@@ -52,7 +52,7 @@ def _difference_quotient(value: Callable[[float], Any]) -> Any:
 
 
 @dataclass(frozen=True)
-class AveragedFilm:
+class PeriodAveragedFilm:
     """One film on one grid, with or without the edge's boundary layer.
 
     Attributes:
@@ -67,7 +67,7 @@ class AveragedFilm:
     layer: bool = True
 
     @property
-    def layer_number(self) -> float:
+    def layer_squeeze_number(self) -> float:
         """Squeeze number that sets the layer's thickness: slip makes gas flow more freely."""
         return self.sigma / (1 + self.slip)
 
@@ -76,17 +76,17 @@ class AveragedFilm:
         """Thickness of the edge's layer over the pad's size, about."""
         return float(np.sqrt(self.grid.slowest_decay_rate / self.sigma))
 
-    def edge_w(self, epsilon: float) -> np.ndarray:
+    def edge_flow_potential(self, epsilon: float) -> np.ndarray:
         """w on the edge's nodes, in the order of all nodes."""
         grid = self.grid
         a = epsilon * np.abs(grid.edge_s)
         values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
         if self.layer:
-            _, in_phase, ahead = edge_layer.layer_ratios(a)
+            _, in_phase, ahead = edge_layer.scaled_layer_integrals(a)
             turned = grid.edge_s.conj() * grid.edge_slope
             u = epsilon**2 * (in_phase * turned.real + ahead * turned.imag)
-            values = values + u / np.sqrt(self.layer_number) / 2
-        return np.asarray(grid.edge_to_nodes @ values)
+            values = values + u / np.sqrt(self.layer_squeeze_number) / 2
+        return np.asarray(grid.edge_to_nodes_matrix @ values)
 
     def field_on_all_nodes(self, inside: np.ndarray, on_edge: np.ndarray) -> np.ndarray:
         """A field on all nodes from its parts."""
@@ -100,16 +100,16 @@ class AveragedFilm:
 
     def mean(self, psi: np.ndarray, epsilon: float) -> float:
         """Mean gauge pressure over pad and period at an amplitude, in units of p0."""
-        within = self.grid.weights @ (psi / self._mean_gap_factor(epsilon) - 1)
+        within = self.grid.weights @ (psi / self._harmonic_mean_gap(epsilon) - 1)
         return float(within) + self._edge_layer_correction(epsilon)
 
-    def steady_w(self, epsilon: float) -> np.ndarray:
+    def steady_flow_potential(self, epsilon: float) -> np.ndarray:
         """Steady w at a constant amplitude: ∇²w = 0, shape (nodes,)."""
-        on_edge = self.edge_w(epsilon)
+        on_edge = self.edge_flow_potential(epsilon)
         inside = np.linalg.solve(self.grid.inside, -self.grid.laplacian_of_edge_values(on_edge))
         return self.field_on_all_nodes(inside, on_edge)
 
-    def response(self, modulation: np.ndarray) -> np.ndarray:
+    def force_gain(self, modulation: np.ndarray) -> np.ndarray:
         """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
         psi, on_edge, at_once = self._amplitude_derivatives
         gain = self._mean_pressure_gain(modulation, psi, on_edge, at_once)
@@ -118,8 +118,8 @@ class AveragedFilm:
     @cached_property
     def _amplitude_derivatives(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Return ψ, ∂w/∂ln ε on the film edge, and the instantaneous ∂⟨p⟩/∂ln ε."""
-        epsilon, psi = self.epsilon, self.density(self.steady_w(self.epsilon))
-        on_edge = _difference_quotient(lambda ratio: self.edge_w(epsilon * ratio))
+        epsilon, psi = self.epsilon, self.density(self.steady_flow_potential(self.epsilon))
+        on_edge = _difference_quotient(lambda ratio: self.edge_flow_potential(epsilon * ratio))
         return psi, on_edge, _difference_quotient(lambda ratio: self.mean(psi, epsilon * ratio))
 
     def stiffness(self, modulation: np.ndarray, lag: float = 0.0) -> np.ndarray:
@@ -137,9 +137,11 @@ class AveragedFilm:
     @cached_property
     def _gap_derivatives(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Return ψ, ∂w/∂ln h0 on the film edge, and the instantaneous ∂⟨p⟩/∂ln h0."""
-        epsilon, psi = self.epsilon, self.density(self.steady_w(self.epsilon))
+        epsilon, psi = self.epsilon, self.density(self.steady_flow_potential(self.epsilon))
         on_edge = _difference_quotient(
-            lambda ratio: ratio**2 * self.with_thicker_gap(ratio).edge_w(epsilon / ratio)
+            lambda ratio: (
+                ratio**2 * self.with_thicker_gap(ratio).edge_flow_potential(epsilon / ratio)
+            )
         )
         at_once = _difference_quotient(
             lambda ratio: self.with_thicker_gap(ratio).mean(psi / ratio, epsilon / ratio)
@@ -164,7 +166,7 @@ class AveragedFilm:
         psi, on_edge, _ = self._gap_derivatives
         mobility = (psi + self.slip)[grid.inner]
         at_rest = np.linalg.solve(grid.inside, -grid.laplacian_of_edge_values(on_edge))
-        of_mean = grid.weights / self._mean_gap_factor(self.epsilon)
+        of_mean = grid.weights / self._harmonic_mean_gap(self.epsilon)
         count = len(mobility)
         matrix = np.zeros((count + 2, count + 2))
         matrix[:count, :count] = mobility[:, None] * grid.inside / self.sigma
@@ -174,7 +176,7 @@ class AveragedFilm:
         matrix[-1, -2] = -slow
         return np.linalg.eigvals(matrix)
 
-    def with_thicker_gap(self, ratio: float) -> AveragedFilm:
+    def with_thicker_gap(self, ratio: float) -> PeriodAveragedFilm:
         """Return the film with the same amplitude and h0 multiplied by ``ratio``."""
         return replace(
             self, epsilon=self.epsilon / ratio, sigma=self.sigma / ratio**2, slip=self.slip / ratio
@@ -194,7 +196,7 @@ class AveragedFilm:
         """
         grid, driven = self.grid, -self.grid.laplacian_of_edge_values(on_edge)
         mobility = psi + self.slip
-        weight = 1 / (mobility * self._mean_gap_factor(self.epsilon))
+        weight = 1 / (mobility * self._harmonic_mean_gap(self.epsilon))
         changes = []
         for omega in np.atleast_1d(modulation):
             by_flow = 0.0
@@ -219,13 +221,13 @@ class AveragedFilm:
         """
         from scipy.integrate import odeint  # slow to import, and only needed here
 
-        settled = self.density(self.steady_w(epsilon))
+        settled = self.density(self.steady_flow_potential(epsilon))
         inner, inside = self.grid.inner, self.grid.inside / self.sigma
         final = settled[inner]
         mobility = final + self.slip
 
         # In the distance y = ψ − settled, whose small end is then as exact as its beginning.
-        def rate(_: float, y: np.ndarray) -> np.ndarray:
+        def psi_rate(_: float, y: np.ndarray) -> np.ndarray:
             return np.asarray(inside @ (y * (mobility + y / 2)))
 
         def jacobian(_: float, y: np.ndarray) -> np.ndarray:
@@ -234,23 +236,23 @@ class AveragedFilm:
         start = psi[inner] - final
         tolerances = {"rtol": 1e-6, "atol": 1e-8 * np.abs(start).max()}
         solution, about = odeint(
-            rate, start, times, Dfun=jacobian, tfirst=True, full_output=True, **tolerances
+            psi_rate, start, times, Dfun=jacobian, tfirst=True, full_output=True, **tolerances
         )
         if "successful" not in about["message"]:
             raise ArithmeticError(f"the averaged film: {about['message']}")
         fields = np.repeat(settled[None], len(times), axis=0)
         fields[:, inner] += solution
-        densities = fields / self._mean_gap_factor(epsilon) - 1
+        densities = fields / self._harmonic_mean_gap(epsilon) - 1
         return np.asarray(densities @ self.grid.weights + self._edge_layer_correction(epsilon))
 
-    def _mean_gap_factor(self, epsilon: float) -> np.ndarray:
+    def _harmonic_mean_gap(self, epsilon: float) -> np.ndarray:
         return np.asarray(np.sqrt(1 - epsilon**2 * np.abs(self.grid.s) ** 2))
 
     def _edge_layer_correction(self, epsilon: float) -> float:
         if not self.layer:
             return 0.0
         d, _ = edge_layer.layer_integrals(epsilon * np.abs(self.grid.edge_s))
-        return float(self.grid.edge_weights @ d / np.sqrt(self.layer_number))
+        return float(self.grid.edge_weights @ d / np.sqrt(self.layer_squeeze_number))
 
 
 def unsupported_reason(scene: Scene) -> str:
@@ -263,29 +265,30 @@ def unsupported_reason(scene: Scene) -> str:
     unknown = [
         term.label
         for term in terms
-        if isinstance(term, Inertia) or not (term.IN_EXPANSIONS or isinstance(term, SmoothOutline))
+        if isinstance(term, Inertia)
+        or not (term.SUPPORTS_EXPANSIONS or isinstance(term, SmoothOutline))
     ]
     return f"the response is not derived with {', '.join(unknown)}" if unknown else ""
 
 
-def averaged_film_of(scene: Scene) -> tuple[AveragedFilm, float]:
+def best_averaged_film(scene: Scene) -> tuple[PeriodAveragedFilm, float]:
     """Return the averaged film on the finest grid that pays, and its relative error.
 
     A finer grid is taken as long as it makes the error smaller by a tenth.
     """
-    best = averaged_film_on(scene)
+    best = averaged_film_on_grid(scene)
     for points in GRID_POINT_COUNTS[1:]:
-        finer = averaged_film_on(scene, points)
-        if not finer[1] < MIN_ERROR_REDUCTION_RATIO * best[1]:
+        finer = averaged_film_on_grid(scene, points)
+        if not finer[1] < MAX_REFINED_ERROR_RATIO * best[1]:
             break
         best = finer
     return best
 
 
 @lru_cache(maxsize=len(GRID_POINT_COUNTS))
-def averaged_film_on(
+def averaged_film_on_grid(
     scene: Scene, points: int = GRID_POINT_COUNTS[0]
-) -> tuple[AveragedFilm, float]:
+) -> tuple[PeriodAveragedFilm, float]:
     """The averaged film on one grid, and its relative error at rest.
 
     The error is that of the settled force: of a rectangle by the edge layer's expansion, of other
@@ -293,8 +296,8 @@ def averaged_film_on(
     """
     numbers = scene.epsilon, scene.sigma, 6 * scene.slip_knudsen
     if scene.pad.smooth_outline:
-        film = AveragedFilm(pad_grid(scene, points), *numbers)
-        return film, _difference_to_periodic(film, scene)
+        film = PeriodAveragedFilm(pad_grid(scene, points), *numbers)
+        return film, _error_against_periodic(film, scene)
     nodes = expansion_axis(points).all_nodes
     films = films_of(
         np.array([scene.epsilon]),
@@ -306,10 +309,10 @@ def averaged_film_on(
     limit = edge_layer_expansion(films)
     with np.errstate(divide="ignore", invalid="ignore"):
         error = float(np.abs(limit.error / limit.mean)[0])
-    return AveragedFilm(rectangle_grid(films), *numbers), error
+    return PeriodAveragedFilm(rectangle_grid(films), *numbers), error
 
 
-def _difference_to_periodic(film: AveragedFilm, scene: Scene) -> float:
+def _error_against_periodic(film: PeriodAveragedFilm, scene: Scene) -> float:
     """Relative error of the settled force and of its growth with the amplitude.
 
     Where the force is in error by e(ε), the gain is so by ε ∂e/∂ε: of e = e₀ + e₁ ε² that is
@@ -317,17 +320,20 @@ def _difference_to_periodic(film: AveragedFilm, scene: Scene) -> float:
     """
     errors = []
     for periodic, epsilon in zip(
-        _periodic_forces(scene), (film.epsilon, film.epsilon / 2), strict=True
+        _periodic_solutions(scene), (film.epsilon, film.epsilon / 2), strict=True
     ):
         if not np.isfinite(periodic.force_n):
             return inf
-        force_n = film.mean(film.density(film.steady_w(epsilon)), epsilon) * scene.force_scale_n
+        force_n = (
+            film.mean(film.density(film.steady_flow_potential(epsilon)), epsilon)
+            * scene.force_scale_n
+        )
         errors.append(force_n / periodic.force_n - 1)
     return abs(errors[0]) + 8 / 3 * abs(errors[0] - errors[1]) + PERIODIC_FORCE_TOLERANCE
 
 
 @lru_cache(maxsize=16)
-def _periodic_forces(scene: Scene) -> list[Solution]:
+def _periodic_solutions(scene: Scene) -> list[Solution]:
     """Forces of the periodic states at a scene's amplitude and at half of that."""
     viscous = scene.viscous()
     scenes = [replace(viscous, hv_m=share * scene.hv_m) for share in (1.0, 0.5)]

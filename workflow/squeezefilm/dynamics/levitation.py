@@ -18,26 +18,26 @@ import numpy as np
 
 from squeezefilm.dynamics.averaged_film import (
     GRID_POINT_COUNTS,
-    AveragedFilm,
-    averaged_film_of,
-    averaged_film_on,
+    PeriodAveragedFilm,
+    averaged_film_on_grid,
+    best_averaged_film,
     unsupported_reason,
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.film.validity import GAP_RANGE_M, OK, exceeded_limits, validities
+from squeezefilm.film.validity import GAP_RANGE_M, OK, exceeded_limit_texts, validity_texts
 from squeezefilm.formatting import scene_row
 from squeezefilm.lazy import pd
-from squeezefilm.parallel import report_progress
+from squeezefilm.parallel import track_progress
 from squeezefilm.quantities.model_error import (
     AUTO_TERMS,
     ErrorBudget,
     budget_row,
     error_budgets,
     resolve_auto_terms,
-    unsupported_auto_terms,
+    unsupported_auto_term_texts,
 )
-from squeezefilm.quantities.outputs import negative_force_slopes
+from squeezefilm.quantities.outputs import forces_and_negative_slopes
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import validity_notes
@@ -56,7 +56,7 @@ MAX_LOG_GAP_STEP, MIN_FORCE_OVER_LOAD = 0.2, 1e-6
 # A gap is not given where its modelling error is more than this fraction of it.
 MAX_RELATIVE_MODELLING_ERROR = 0.1
 # Growth of effects, relative, with that of the gap: inertia and the edge loss go with h0².
-EFFECTS_GROWTH_EXPONENT = 2.0
+NEGLECTED_EFFECT_GAP_EXPONENT = 2.0
 # Of the averaged film's settled force. Up to there the stiffness is within 1 % of the full
 # equation's (on strips, σ 20–2700, ε 0.1–0.8).
 MAX_AVERAGED_FORCE_ERROR = 0.2
@@ -64,21 +64,21 @@ MAX_AVERAGED_FORCE_ERROR = 0.2
 TABLE_LOAD_COUNT, TABLE_AMPLITUDE_COUNT = 8, 4
 # Free oscillations are given up to this share of the vibration's frequency: on discs (σ 60–3000, ε
 # 0.05–0.8) stiffness there was within 1.5 % of the full equation's.
-MAX_RESONANCE_OVER_VIBRATION = 0.3
+MAX_RESONANCE_FREQUENCY_RATIO = 0.3
 # Error of the averaged film's stiffness in p0 over ε², |s|/ω and the edge layer's thickness: twice
 # what the worst of those discs needed up to there.
-STIFFNESS_AVERAGING_FACTOR = 2.0
+AVERAGED_STIFFNESS_ERROR_FACTOR = 2.0
 # The same by inertia of the vibrating gas, over ε², the layer's thickness and Re/10: about twice
 # what discs needed (Re 1–7, σ 300–2000, ε 0.15–0.3; tests/numerics/ring_down.py).
-STIFFNESS_INERTIA_FACTOR = 6.0
+INERTIA_STIFFNESS_ERROR_FACTOR = 6.0
 # Excursion ratio that stands for none, and the steps to a root of the equation of motion.
 NEARLY_ZERO_EPSILON = 1e-6
 FIRST_ROOT_STEP, ROOT_PRECISION = 1e-3, 1e-6
 # Relative change of that root from one grid to the next: what is fine, and what is no answer.
 ROOT_GRID_TOLERANCE, MAX_ROOT_GRID_ERROR = 1e-3, 0.1
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
-MIN_OSCILLATING_FRACTION = 1e-3
-NO_VALID_GAP = "at this amplitude no gap is within the limits of validity"
+MIN_IMAGINARY_FRACTION = 1e-3
+NO_VALID_GAP_TEXT = "at this amplitude no gap is within the limits of validity"
 OVERDAMPED_STATUS = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
 
 
@@ -107,7 +107,7 @@ class Levitation:
     notes: tuple[str, ...] = ()
 
     @property
-    def stable(self) -> bool:
+    def is_stable(self) -> bool:
         """Return whether the force falls as the gap grows, by more than its error."""
         return self.stiffness_n_per_m > self.stiffness_error_n_per_m
 
@@ -118,27 +118,27 @@ class Levitation:
         Each end is wider by what that misses at second order. NaN where an effect is unknown.
         """
         lower, upper = (self._gap_change_m(bound) for bound in self.budget.modelling_error_percent)
-        return lower - self.second_order_m(lower), upper + self.second_order_m(upper)
+        return lower - self.second_order_error_m(lower), upper + self.second_order_error_m(upper)
 
     def _gap_change_m(self, percent: float) -> float:
         """Change of the gap, in metres, by a change of the force in per cent."""
         return percent / 100 * self.force_n / abs(self.stiffness_n_per_m)
 
-    def second_order_m(self, moved_m: float) -> float:
+    def second_order_error_m(self, moved_m: float) -> float:
         """Bound on the second order of a change of the gap.
 
         With forces ~ h^−m it is (m + 1)/2 of the square of the relative change, and with effects
         that grow with h² twice that square more.
         """
         steepness = abs(self.stiffness_n_per_m) * self.scene.h0_m / abs(self.force_n)
-        return (EFFECTS_GROWTH_EXPONENT + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
+        return (NEGLECTED_EFFECT_GAP_EXPONENT + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
 
     @property
     def invalidity_reasons(self) -> list[str]:
         """Return the reasons why the gap is not valid for a real film; empty where it is."""
-        reasons = list(exceeded_limits(self.scene))
+        reasons = list(exceeded_limit_texts(self.scene))
         error_m = abs(self._gap_change_m(self.budget.known_error_percent))
-        error_m += self.second_order_m(error_m)
+        error_m += self.second_order_error_m(error_m)
         if (
             self.budget.status == "ok"
             and not error_m <= MAX_RELATIVE_MODELLING_ERROR * self.scene.h0_m
@@ -170,7 +170,7 @@ def levitate(
         raise InputError(f"load: {load_n:g} N must be a positive force")
     how = {"tolerance": tolerance, "method": method, "device": device}
     # Terms that such a look can do without are not included.
-    gaps_m = _trial_gaps(scene)
+    gaps_m = _trial_gaps_m(scene)
     looked_at = _scenes_at_gaps(scene.viscous(), *gaps_m)
     forces_n = solve(looked_at, tolerance=TRIAL_FORCE_TOLERANCE, device=device).force_n
     known = np.isfinite(forces_n)
@@ -178,7 +178,7 @@ def levitate(
     above = forces >= load_n
     # Between neighbouring gaps at which the force falls to the load, rising.
     crossed = np.flatnonzero(above[:-1] & ~above[1:])
-    rough = [_interpolated_gap_m(gaps[k : k + 2], forces[k : k + 2], load_n) for k in crossed]
+    rough = [_interpolated_gap(gaps[k : k + 2], forces[k : k + 2], load_n) for k in crossed]
     if not rough:
         carried = "none"
         if known.any():
@@ -187,9 +187,9 @@ def levitate(
                 f"{lowest:.2g} to {highest:.2g} N, roughly, without inertia and thermal effects"
             )
         raise InputError(
-            f"load: no gap from {_in_micrometres(gaps_m[0])} to {_in_micrometres(gaps_m[-1])} "
+            f"load: no gap from {_micrometre_text(gaps_m[0])} to {_micrometre_text(gaps_m[-1])} "
             f"carries "
-            f"{load_n:g} N at hv = {_in_micrometres(scene.hv_m)}; forces there: {carried}"
+            f"{load_n:g} N at hv = {_micrometre_text(scene.hv_m)}; forces there: {carried}"
         )
     near = replace(scene, h0_m=rough[-1].gap_m)
     # Terms are decided for this gap and kept: the force must not jump while the gap is sought.
@@ -202,7 +202,7 @@ def levitate(
     levitation = None
     while levitation is None:
         try:
-            levitation = _gap_at_load(chosen, rough[-1], load_n=load_n, how=how)
+            levitation = _levitation_at_load(chosen, rough[-1], load_n=load_n, how=how)
         except RunError as error:
             name = next((n for n in open_ if getattr(chosen.gas, n) == "included"), None)
             if name is None:
@@ -212,11 +212,11 @@ def levitate(
             chosen = chosen.with_gas(**{name: "none"})
     # Outside the limits of validity no gap is given, whatever its modelling error.
     budget = ErrorBudget(status="outside the limits of validity")
-    if not exceeded_limits(levitation.scene):
+    if not exceeded_limit_texts(levitation.scene):
         (budget,) = error_budgets([levitation.scene], device=device)
-    notes = unsupported_auto_terms(near, method=method)
+    notes = unsupported_auto_term_texts(near, method=method)
     for name, reason in not_included.items():
-        unknown = name in budget.unknown
+        unknown = name in budget.unknown_effect_names
         effect = "its effect is unknown" if unknown else "its effect is in the modelling error"
         notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
     stretched = validity_notes(levitation.scene)
@@ -240,19 +240,19 @@ def valid_range_text(
     With terms as ``levitate`` decides them: limits and forces depend on them. A modelling error may
     be too large there nevertheless: to know it would take longer than a gap.
     """
-    gaps_m = _trial_gaps(scene)
+    gaps_m = _trial_gaps_m(scene)
     auto = [name for name in AUTO_TERMS if getattr(scene.gas, name) == "auto"]
     # Whether the limits hold at each gap, for each choice of these terms.
     by_choice = np.array(
         [
-            validities(Scenes.of(_scenes_at_gaps(scene.with_gas(**chosen), *gaps_m))) == OK
+            validity_texts(Scenes.of(_scenes_at_gaps(scene.with_gas(**chosen), *gaps_m))) == OK
             for values in product(("none", "included"), repeat=len(auto))
             for chosen in [dict(zip(auto, values, strict=True))]
         ]
     )
     within = np.flatnonzero(by_choice.any(axis=0))
     if not within.size:
-        return NO_VALID_GAP
+        return NO_VALID_GAP_TEXT
     # With a neighbour at either end, for slopes.
     part = slice(max(within[0] - 1, 0), within[-1] + 2)
     gaps_m, by_choice = gaps_m[part], by_choice[:, part]
@@ -274,17 +274,17 @@ def valid_range_text(
     forces_n = solve(at_gaps, tolerance=rough, method=method, device=device).force_n
     with np.errstate(invalid="ignore"):
         valid = (np.gradient(forces_n, gaps_m) < 0) & (forces_n > 0)
-    valid &= validities(Scenes.of(at_gaps)) == OK
+    valid &= validity_texts(Scenes.of(at_gaps)) == OK
     if not valid.any():
-        return NO_VALID_GAP
-    gaps, loads = (_range_rounded_inwards(values[valid]) for values in (1e6 * gaps_m, forces_n))
+        return NO_VALID_GAP_TEXT
+    gaps, loads = (_inward_rounded_range_text(values[valid]) for values in (1e6 * gaps_m, forces_n))
     return (
         f"at this amplitude the limits of validity hold for gaps of about {gaps} µm, loads of "
         f"about {loads} N"
     )
 
 
-def _range_rounded_inwards(values: np.ndarray) -> str:
+def _inward_rounded_range_text(values: np.ndarray) -> str:
     """Return the range of some positive values, its ends rounded inwards to two digits."""
     low, high = float(values.min()), float(values.max())
     low_digit, high_digit = (10.0 ** (floor(log10(end)) - 1) for end in (low, high))
@@ -294,7 +294,7 @@ def _range_rounded_inwards(values: np.ndarray) -> str:
     return " to ".join(dict.fromkeys(f"{end:.2g}" for end in ends))
 
 
-def _gap_at_load(
+def _levitation_at_load(
     scene: Scene, start: GapAndSteepness, *, load_n: float, how: dict[str, Any]
 ) -> Levitation:
     """Solve force(h0) = load for one set of terms: by rough forces first, then by refined ones.
@@ -307,21 +307,21 @@ def _gap_at_load(
     def log_force_over_load(gap_m: float, how: dict[str, Any]) -> float:
         """Return ln(force/load)."""
         (solution,) = solve(_scenes_at_gaps(scene, gap_m), **how)
-        force_n = float(_require_known(solution.force_n, gap_m, solution.status))
+        force_n = float(_require_finite(solution.force_n, gap_m, solution.status))
         return log(max(force_n / load_n, MIN_FORCE_OVER_LOAD))
 
-    found = _gap_of_zero_excess(
+    found = _secant_gap_at_load(
         partial(log_force_over_load, how=rough), start, precision=ROUGH_FORCE_TOLERANCE / 10
     )
     # The gap may lie anywhere here; where all of it is outside, none is given and these show why.
     ends = (1 + ROUGH_FORCE_TOLERANCE * np.array([-1, 1])) * found.gap_m
-    if all(map(exceeded_limits, _scenes_at_gaps(scene, *ends))):
+    if all(map(exceeded_limit_texts, _scenes_at_gaps(scene, *ends))):
         return Levitation(replace(scene, h0_m=found.gap_m), load_n, nan, nan, nan)
-    h0_m = _gap_of_zero_excess(
+    h0_m = _secant_gap_at_load(
         partial(log_force_over_load, how=how), found, precision=tolerance
     ).gap_m
-    values, (status,) = negative_force_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
-    force_n, error_n, stiffness, stiffness_error = _require_known(
+    values, (status,) = forces_and_negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
+    force_n, error_n, stiffness, stiffness_error = _require_finite(
         values[:, 0], h0_m, status
     ).tolist()
     return Levitation(
@@ -333,9 +333,9 @@ def _gap_at_load(
     )
 
 
-def _require_known(values: Any, gap_m: float, status: str) -> Any:
+def _require_finite(values: Any, gap_m: float, status: str) -> Any:
     if not np.isfinite(values).all():
-        raise RunError(f"load: no force near h0 = {_in_micrometres(gap_m)}: {status}")
+        raise RunError(f"load: no force near h0 = {_micrometre_text(gap_m)}: {status}")
     return values
 
 
@@ -343,7 +343,7 @@ def _scenes_at_gaps(scene: Scene, *gaps_m: float) -> list[Scene]:
     return [replace(scene, h0_m=float(gap)) for gap in gaps_m]
 
 
-def _trial_gaps(scene: Scene) -> np.ndarray:
+def _trial_gaps_m(scene: Scene) -> np.ndarray:
     """Return rising gaps, from near contact on."""
     least = max(scene.hv_m / MAX_TRIAL_EXCURSION, GAP_RANGE_M[0])
     most = min(scene.hv_m / MIN_TRIAL_EXCURSION, GAP_RANGE_M[1])
@@ -362,7 +362,7 @@ class GapAndSteepness(NamedTuple):
     steepness: float
 
 
-def _interpolated_gap_m(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float) -> GapAndSteepness:
+def _interpolated_gap(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float) -> GapAndSteepness:
     """Return the gap at a load between two, at which the force is above and below it."""
     more, less = np.log(np.maximum(forces_n / load_n, MIN_FORCE_OVER_LOAD)).tolist()
     far = log(gaps_m[1] / gaps_m[0])
@@ -370,7 +370,7 @@ def _interpolated_gap_m(gaps_m: np.ndarray, forces_n: np.ndarray, load_n: float)
     return GapAndSteepness(float(gaps_m[0]) * exp(more / steepness), steepness)
 
 
-def _gap_of_zero_excess(
+def _secant_gap_at_load(
     excess: Callable[[float], float], start: GapAndSteepness, *, precision: float
 ) -> GapAndSteepness:
     """Return the gap at which ``excess``, ln(force/load), is 0, to a relative precision.
@@ -392,10 +392,10 @@ def _gap_of_zero_excess(
         gap_m *= exp(move)
         if abs(move) <= precision:
             return GapAndSteepness(gap_m, steepness)
-    raise RunError(f"load: the gap near {_in_micrometres(start.gap_m)} was not found")
+    raise RunError(f"load: the gap near {_micrometre_text(start.gap_m)} was not found")
 
 
-def _in_micrometres(length_m: float) -> str:
+def _micrometre_text(length_m: float) -> str:
     return f"{1e6 * length_m:.4g} µm"
 
 
@@ -433,38 +433,38 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     and inertia of the gas that the vibration moves, are in the errors.
     """
     scene = levitation.scene
-    if not levitation.stable:
+    if not levitation.is_stable:
         return Resonance(reason="no resonance: not stable")
     settled = scene.viscous()
     if reason := unsupported_reason(settled):
         return _unknown_resonance(reason)
-    film, error = averaged_film_of(settled)
+    film, error = best_averaged_film(settled)
     if error > MAX_AVERAGED_FORCE_ERROR:
         return _unknown_resonance(f"the averaged film's settled force is in error by {error:.0%}")
     unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
     slow, scale = levitation.stiffness_n_per_m / unit, scene.force_scale_n / scene.h0_m / unit
     roots = film.free_motion_exponents(slow=slow, scale=scale)
-    oscillations = roots[roots.imag > MIN_OSCILLATING_FRACTION * abs(roots)]
+    oscillations = roots[roots.imag > MIN_IMAGINARY_FRACTION * abs(roots)]
     if not oscillations.size:
         return Resonance(reason=OVERDAMPED_STATUS)
     lag = LAG_PER_REYNOLDS * scene.modified_reynolds * (scene.gas.inertia == "included")
     motion = {"slow": slow, "scale": scale, "lag": lag}
-    root, slope = _exponent_of_motion(film, complex(min(oscillations, key=abs)), **motion)
+    root, slope = _motion_root_and_slope(film, complex(min(oscillations, key=abs)), **motion)
     moved = inf
     # The layer of gas that the motion moves at the edge is thinner than a settled film needs.
     finer = GRID_POINT_COUNTS[GRID_POINT_COUNTS.index(film.grid.points) + 1 :]
     for points in finer or GRID_POINT_COUNTS[-2:-1]:
-        film, _ = averaged_film_on(settled, points)
-        previous, (root, slope) = root, _exponent_of_motion(film, root, **motion)
+        film, _ = averaged_film_on_grid(settled, points)
+        previous, (root, slope) = root, _motion_root_and_slope(film, root, **motion)
         moved = abs(root - previous)
         if not moved > ROOT_GRID_TOLERANCE * abs(root):
             break
     if not moved <= MAX_ROOT_GRID_ERROR * abs(root):
         return _unknown_resonance("no root of the equation of motion was found")
-    if abs(root) > MAX_RESONANCE_OVER_VIBRATION:
-        most_hz = MAX_RESONANCE_OVER_VIBRATION * scene.actuator.frequency_hz
+    if abs(root) > MAX_RESONANCE_FREQUENCY_RATIO:
+        most_hz = MAX_RESONANCE_FREQUENCY_RATIO * scene.actuator.frequency_hz
         return _unknown_resonance(
-            f"it is faster than {most_hz:.3g} Hz, {MAX_RESONANCE_OVER_VIBRATION:g} of the "
+            f"it is faster than {most_hz:.3g} Hz, {MAX_RESONANCE_FREQUENCY_RATIO:g} of the "
             f"vibration's frequency"
         )
     error = scale * _stiffness_error(film, scene, root, lag, slow / scale)
@@ -478,8 +478,8 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     )
 
 
-def _exponent_of_motion(
-    film: AveragedFilm, start: complex, *, slow: float, scale: float, lag: float
+def _motion_root_and_slope(
+    film: PeriodAveragedFilm, start: complex, *, slow: float, scale: float, lag: float
 ) -> tuple[complex, complex]:
     """A root of the equation of motion near ``start``, and the equation's slope; NaN for none.
 
@@ -487,14 +487,14 @@ def _exponent_of_motion(
     """
     (at_rest,) = film.stiffness(np.zeros(1))
 
-    def equation_of_motion(s: complex) -> complex:
+    def motion_residual(s: complex) -> complex:
         (stiffness,) = film.stiffness(np.array([s / 1j]), lag)
         return complex(s**2 + slow + scale * (stiffness - at_rest))
 
     previous, root = start * (1 + FIRST_ROOT_STEP), start
-    before = equation_of_motion(previous)
+    before = motion_residual(previous)
     for _ in range(MAX_ROOT_STEPS):
-        left = equation_of_motion(root)
+        left = motion_residual(root)
         slope = (left - before) / (root - previous)
         previous, before, root = root, left, root - left / slope
         if abs(root - previous) <= ROOT_PRECISION * abs(root):
@@ -504,11 +504,11 @@ def _exponent_of_motion(
 
 def stiffness_averaging_error(epsilon: float, rate: Any, layer_thickness: float) -> Any:
     """Error of the averaged film's K(s) − K(0), in units of p0, at a rate |s|/ω."""
-    return STIFFNESS_AVERAGING_FACTOR * epsilon**2 * layer_thickness * rate
+    return AVERAGED_STIFFNESS_ERROR_FACTOR * epsilon**2 * layer_thickness * rate
 
 
 def _stiffness_error(
-    film: AveragedFilm, scene: Scene, root: complex, lag: float, slow: float
+    film: PeriodAveragedFilm, scene: Scene, root: complex, lag: float, slow: float
 ) -> float:
     """Error of K(s) − K(0) in units of p0, at s in units of ω.
 
@@ -525,7 +525,7 @@ def _stiffness_error(
     # the gas that it moves changes the layer at the edge.
     by_vibration = abs(np.diff(stiffness - by_motion)[0])
     vibration = abs(slow / stiffness[0] - 1) * by_vibration
-    vibration += STIFFNESS_INERTIA_FACTOR * excursion**2 * film.layer_thickness * lag
+    vibration += INERTIA_STIFFNESS_ERROR_FACTOR * excursion**2 * film.layer_thickness * lag
     # The gas is up to so much denser where it keeps its temperature (mean over the gap).
     gas = scene.gas
     heated = gas.prandtl * scene.modified_reynolds * abs(root) / 12
@@ -546,20 +546,20 @@ LEVITATION_COLUMNS: dict[str, Callable[[Levitation], object]] = {
     "other_gaps_m": lambda found: "; ".join(f"{each:.3g}" for each in found.other_gaps_m),
     "stiffness_n_per_m": lambda found: found.stiffness_n_per_m,
     "stiffness_error_n_per_m": lambda found: found.stiffness_error_n_per_m,
-    "stable": lambda found: found.stable,
+    "stable": lambda found: found.is_stable,
     "epsilon": lambda found: found.scene.epsilon,
     "modified_reynolds": lambda found: found.scene.modified_reynolds,
     "inertia": lambda found: found.scene.gas.inertia,
     "modelling_error_lower_percent": lambda found: found.budget.modelling_error_percent[0],
     "modelling_error_upper_percent": lambda found: found.budget.modelling_error_percent[1],
-    "unknown_effects": lambda found: "; ".join(found.budget.unknown),
+    "unknown_effects": lambda found: "; ".join(found.budget.unknown_effect_names),
 }
 
 
 RESONANCE_COLUMNS = ("resonance_hz", "resonance_error_hz", "damping_ratio", "damping_ratio_error")
 
 
-def loads_of_forces(path: str) -> tuple[list[float], list[float]]:
+def loads_and_amplitudes_of_table(path: str) -> tuple[list[float], list[float]]:
     """Loads and amplitudes over the range of a table of forces.
 
     Raises InputError where no force is positive.
@@ -589,7 +589,7 @@ def levitation_rows(
         scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
         mass_kg: that floats, for its resonance.
     """
-    with report_progress(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
+    with track_progress(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
         for scene, load_n in product(scenes, loads_n):
             row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
             try:

@@ -8,17 +8,17 @@ from typing import Protocol
 
 import numpy as np
 
-from squeezefilm.film.outline import POLAR_COORDINATES, Outline
+from squeezefilm.film.outline import DISC_COORDINATES, Outline
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.symmetry import axisymmetric
-from squeezefilm.reynolds.asymptotics.edge_layer import weights_with_ends
+from squeezefilm.film.symmetry import axisymmetric_mask
+from squeezefilm.reynolds.asymptotics.edge_layer import quadrature_weights_with_ends
 from squeezefilm.reynolds.asymptotics.films import Films
-from squeezefilm.reynolds.spectral import axis, period, radius
+from squeezefilm.reynolds.spectral import cached_axis, cached_radial_axis, cached_time_axis
 
 # Nodes around an outline for each one along a line through its middle.
 NODES_AROUND_PER_NODE_ACROSS = 2
 # Of the slowest mode's rate, and the steps in which it is found.
-RATE_PRECISION, MAX_RATE_STEPS = 1e-10, 100
+DECAY_RATE_PRECISION, MAX_DECAY_RATE_ITERATIONS = 1e-10, 100
 
 
 class AmplitudeFunction(Protocol):
@@ -39,7 +39,8 @@ class PadGrid:
         weights: of the mean over the pad, (nodes,).
         edge_s, edge_slope: profile and its derivative along the inward normal on the edge, (edge,).
         edge_weights: of the integral along the edge over the pad's area, (edge,).
-        edge_to_nodes: matrix from values on the edge to the nodes there, (nodes − inner, edge).
+        edge_to_nodes_matrix: matrix from values on the edge to the nodes there, (nodes − inner,
+            edge).
     """
 
     points: int
@@ -50,7 +51,7 @@ class PadGrid:
     edge_s: np.ndarray
     edge_slope: np.ndarray
     edge_weights: np.ndarray
-    edge_to_nodes: np.ndarray
+    edge_to_nodes_matrix: np.ndarray
 
     @property
     def inside(self) -> np.ndarray:
@@ -62,7 +63,7 @@ class PadGrid:
         return np.asarray(self.laplacian[:, ~self.inner] @ on_edge)
 
     @property
-    def edge_motion_ratio(self) -> float:
+    def edge_mean_square_ratio(self) -> float:
         """Mean of |s|² along the edge over that of the pad."""
         around = self.edge_weights @ np.abs(self.edge_s) ** 2 / self.edge_weights.sum()
         return float(around / (self.weights @ np.abs(self.s) ** 2))
@@ -75,11 +76,11 @@ class PadGrid:
         """
         inverse, rate = np.linalg.inv(-self.inside), 0.0
         mode = np.ones(len(inverse))
-        for _ in range(MAX_RATE_STEPS):
+        for _ in range(MAX_DECAY_RATE_ITERATIONS):
             previous, mode = rate, inverse @ mode
             rate = 1 / float(np.abs(mode).max())
             mode *= rate
-            if abs(rate - previous) <= RATE_PRECISION * rate:
+            if abs(rate - previous) <= DECAY_RATE_PRECISION * rate:
                 break
         return rate
 
@@ -88,7 +89,7 @@ def pad_grid(scene: Scene, points: int) -> PadGrid:
     """The nodes of a scene's pad that is no rectangle, ``points`` + 1 inside along its middle."""
     outline = scene.pad.smooth_outline
     assert outline
-    if axisymmetric(scene.pad_positions)[0]:
+    if axisymmetric_mask(scene.pad_positions)[0]:
         return disc_grid(scene.amplitude, points)
     return outline_grid(outline, scene.amplitude, points)
 
@@ -103,29 +104,31 @@ def rectangle_grid(films: Films) -> PadGrid:
     inside[1:-1, 1:-1] = True
     inner = inside.ravel()
     indices = np.arange(inner.size).reshape(films.s.shape[1:])
-    node_of_edge = films.on_edge(indices[None])[0]
+    node_of_edge = films.edge_values(indices[None])[0]
     on_node = np.equal.outer(np.flatnonzero(~inner), node_of_edge)
     return PadGrid(
         points=films.x_axis.points,
         s=films.s[0].ravel(),
         inner=inner,
         laplacian=(along_x + along_y)[inner],
-        weights=np.outer(weights_with_ends(films.x_axis), weights_with_ends(films.y_axis)).ravel(),
+        weights=np.outer(
+            quadrature_weights_with_ends(films.x_axis), quadrature_weights_with_ends(films.y_axis)
+        ).ravel(),
         edge_s=films.edge_profile[0],
         edge_slope=films.slope[0],
         edge_weights=films.edge_integral(np.eye(len(node_of_edge))),
-        edge_to_nodes=on_node / on_node.sum(axis=1, keepdims=True),
+        edge_to_nodes_matrix=on_node / on_node.sum(axis=1, keepdims=True),
     )
 
 
 def disc_grid(amplitude: AmplitudeFunction, points: int) -> PadGrid:
     """The nodes along the radius of a disc whose profile has no angle: twice as many, cheaply."""
-    line = radius(points + 1)
+    line = cached_radial_axis(points + 1)
     near, far = _matrix_halves(line.divergence @ line.derivative)
     slope_near, slope_far = _matrix_halves(line.derivative)
     slope = slope_near[-1] + slope_far[-1]
     across = line.all_nodes[line.points + 1 :]
-    s = amplitude(*POLAR_COORDINATES.positions(across, np.zeros_like(across)))
+    s = amplitude(*DISC_COORDINATES.positions(across, np.zeros_like(across)))
     weights = line.weights[::-1]
     inner = np.arange(len(across)) < line.points
     return PadGrid(
@@ -137,16 +140,19 @@ def disc_grid(amplitude: AmplitudeFunction, points: int) -> PadGrid:
         edge_s=s[-1:],
         edge_slope=-slope @ s[:, None],
         edge_weights=np.array([4.0]),
-        edge_to_nodes=np.eye(1),
+        edge_to_nodes_matrix=np.eye(1),
     )
 
 
 def outline_grid(outline: Outline, amplitude: AmplitudeFunction, points: int) -> PadGrid:
     """The nodes μ > 0, ν of an outline's coordinates (film/outline.py): f(−μ, ν) = f(μ, −ν)."""
-    line, angle = axis(points + 1, False), period(NODES_AROUND_PER_NODE_ACROSS * (points + 1))
+    line, angle = (
+        cached_axis(points + 1, False),
+        cached_time_axis(NODES_AROUND_PER_NODE_ACROSS * (points + 1)),
+    )
     unit = 2 * outline.edge_mu
     across, nu = np.meshgrid(line.all_nodes[len(line.all_nodes) // 2 :], angle.nodes, indexing="ij")
-    stretch = outline.area_ratio(unit * (across - 0.5), nu)
+    stretch = outline.map_jacobian(unit * (across - 0.5), nu)
     s = amplitude(*outline.positions(across.ravel(), nu.ravel())).reshape(across.shape)
     mirrored = -np.arange(angle.points) % angle.points
     near, far = _matrix_halves(line.derivative @ line.derivative)
@@ -159,7 +165,13 @@ def outline_grid(outline: Outline, amplitude: AmplitudeFunction, points: int) ->
     slope_near, slope_far = _matrix_halves(line.derivative)
     slope = (slope_near[-1] @ s + slope_far[-1] @ s[:, mirrored]) / unit
     length, step = np.sqrt(stretch[-1]), 2 * np.pi / angle.points
-    weights = weights_with_ends(line)[len(across) :, None] * unit * step * stretch / outline.area
+    weights = (
+        quadrature_weights_with_ends(line)[len(across) :, None]
+        * unit
+        * step
+        * stretch
+        / outline.area
+    )
     return PadGrid(
         points=points,
         s=s.ravel(),
@@ -169,7 +181,7 @@ def outline_grid(outline: Outline, amplitude: AmplitudeFunction, points: int) ->
         edge_s=s[-1],
         edge_slope=-slope / length,
         edge_weights=length * step / outline.area,
-        edge_to_nodes=same,
+        edge_to_nodes_matrix=same,
     )
 
 

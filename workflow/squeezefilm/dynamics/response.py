@@ -15,33 +15,33 @@ import numpy as np
 
 from squeezefilm.dynamics.averaged_film import (
     GRID_POINT_COUNTS,
-    AveragedFilm,
-    averaged_film_of,
-    averaged_film_on,
+    PeriodAveragedFilm,
+    averaged_film_on_grid,
+    best_averaged_film,
     unsupported_reason,
 )
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.validity import exceeded_limits, validity
+from squeezefilm.film.validity import exceeded_limit_texts, validity_text
 from squeezefilm.lazy import pd
-from squeezefilm.parallel import report_progress
-from squeezefilm.quantities.outputs import negative_force_slopes
+from squeezefilm.parallel import track_progress
+from squeezefilm.quantities.outputs import forces_and_negative_slopes
 from squeezefilm.reynolds.device import Device
 
 # Relative error of the settled force up to which the slow film's numbers are given.
 MAX_AVERAGED_FORCE_ERROR = 0.03
 # Error of a gain by the period-averaged equation, per square of the frequencies' ratio: about
 # twice what the worst of 19 random films needed (ε 0.05–0.85, σ 130–8000, aspects 0.6–2.5).
-GAIN_AVERAGING_FACTOR = 2.0
+GAIN_AVERAGING_ERROR_FACTOR = 2.0
 # The same by the edge's layer, which does not follow at once, per ratio of the frequencies,
 # thickness of the layer and motion of the edge: 1.2 times what the worst of strips and discs under
 # pistons and sincs needed (ε 0.05–0.8, σ 60–3000).
-GAIN_LAYER_LAG_FACTOR = 1.5
+GAIN_LAYER_LAG_ERROR_FACTOR = 1.5
 # Modulations are slow up to this share of the vibration's frequency.
-MAX_MODULATION_OVER_VIBRATION = 0.1
+MAX_MODULATION_FREQUENCY_RATIO = 0.1
 # What is left of the way when a film counts as settled.
 SETTLED_FRACTION = 0.05
-STEP_INSTANTS = 240
+STEP_RESPONSE_TIME_COUNT = 240
 # Tolerance of the forces whose quotients are gains: their errors count fifty times in one.
 GAIN_FORCE_TOLERANCE = 1e-4
 # Terms of the gas that the averaged film neglects.
@@ -55,7 +55,7 @@ SLIP_CHANGE_COLUMNS = {
 }
 
 
-class Response(NamedTuple):
+class ForceResponse(NamedTuple):
     """Response of one film, by the period-averaged equation.
 
     Attributes:
@@ -95,18 +95,21 @@ def modulation_gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
 
     Raises RunError saying why the scene is not supported.
     """
-    film, error = _averaged_film(scene)
+    film, error = _accurate_averaged_film(scene)
     modulations = np.asarray(frequency_hz, dtype=float) / scene.actuator.frequency_hz
-    averaging = GAIN_AVERAGING_FACTOR * modulations**2
+    averaging = GAIN_AVERAGING_ERROR_FACTOR * modulations**2
     averaging += (
-        GAIN_LAYER_LAG_FACTOR * modulations * film.layer_thickness * film.grid.edge_motion_ratio
+        GAIN_LAYER_LAG_ERROR_FACTOR
+        * modulations
+        * film.layer_thickness
+        * film.grid.edge_mean_square_ratio
     )
-    slow = (modulations > 0) & (modulations <= MAX_MODULATION_OVER_VIBRATION)
+    slow = (modulations > 0) & (modulations <= MAX_MODULATION_FREQUENCY_RATIO)
     gain = np.full(len(modulations), complex(nan, nan))
-    gain[slow] = film.response(modulations[slow])
+    gain[slow] = film.force_gain(modulations[slow])
     fast = (
         f"a modulation's frequency must lie above 0 and up to "
-        f"{MAX_MODULATION_OVER_VIBRATION * scene.actuator.frequency_hz:g} Hz, a tenth of the "
+        f"{MAX_MODULATION_FREQUENCY_RATIO * scene.actuator.frequency_hz:g} Hz, a tenth of the "
         f"vibration's"
     )
     return pd.DataFrame(
@@ -126,7 +129,7 @@ def start_and_stop_forces(scene: Scene) -> pd.DataFrame:
     By the slow film: what lies within two periods of the vibration is no more than a direction.
     Raises RunError saying why the scene is not supported.
     """
-    time, rising, falling = _start_and_stop_pressures(_averaged_film(scene)[0])
+    time, rising, falling = _start_and_stop_pressures(_accurate_averaged_film(scene)[0])
     return pd.DataFrame(
         {
             "time_s": time / scene.actuator.angular_frequency_rad_per_s,
@@ -136,19 +139,19 @@ def start_and_stop_forces(scene: Scene) -> pd.DataFrame:
     )
 
 
-def response(scene: Scene) -> Response:
+def force_response(scene: Scene) -> ForceResponse:
     """A scene's response in a few numbers.
 
     Raises RunError saying why the scene is not supported.
     """
-    film, _ = _averaged_film(scene)
+    film, _ = _accurate_averaged_film(scene)
     return _response_on_grid(scene, film.grid.points)
 
 
-def _averaged_film(scene: Scene) -> tuple[AveragedFilm, float]:
+def _accurate_averaged_film(scene: Scene) -> tuple[PeriodAveragedFilm, float]:
     if reason := unsupported_reason(scene):
         raise RunError(f"not supported: {reason}")
-    film, error = averaged_film_of(scene)
+    film, error = best_averaged_film(scene)
     if error > MAX_AVERAGED_FORCE_ERROR:
         raise RunError(
             "not supported: the period-averaged equation is not accurate enough (error of its "
@@ -159,18 +162,18 @@ def _averaged_film(scene: Scene) -> tuple[AveragedFilm, float]:
 
 
 @lru_cache(maxsize=10_000)
-def _response_on_grid(scene: Scene, points: int) -> Response:
+def _response_on_grid(scene: Scene, points: int) -> ForceResponse:
     """Response by the film on one grid; cached, for the effect of slip mostly needs it too."""
-    film, error = averaged_film_on(scene, points)
-    static, prompt = film.response(np.array([0.0, inf])).real
+    film, error = averaged_film_on_grid(scene, points)
+    static, prompt = film.force_gain(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s
     time, rising, falling = _start_and_stop_pressures(film)
-    settled = film.mean(film.density(film.steady_w(film.epsilon)), film.epsilon)
+    settled = film.mean(film.density(film.steady_flow_potential(film.epsilon)), film.epsilon)
     two_periods_s = 2 / scene.actuator.frequency_hz
-    return Response(
+    return ForceResponse(
         static_gain=float(static),
         instantaneous_gain=float(prompt),
-        corner_hz=_corner_modulation(film, static, prompt) * scene.actuator.frequency_hz,
+        corner_hz=_corner_frequency_ratio(film, static, prompt) * scene.actuator.frequency_hz,
         instantaneous_fraction=float(rising[0] / settled),
         settling_start_s=_settling_time(time, np.abs(rising / settled - 1)) / rate,
         settling_start_error_s=two_periods_s,
@@ -181,26 +184,28 @@ def _response_on_grid(scene: Scene, points: int) -> Response:
     )
 
 
-def _corner_modulation(film: AveragedFilm, static: float, prompt: float) -> float:
+def _corner_frequency_ratio(film: PeriodAveragedFilm, static: float, prompt: float) -> float:
     """Modulation, in units of ω, at which |gain − prompt| has fallen by 3 dB."""
     from scipy.optimize import brentq  # slow to import, and only needed here
 
     def gain_above_corner(exponent: float) -> float:
-        (gain,) = film.response(np.array([np.exp(exponent)]))
+        (gain,) = film.force_gain(np.array([np.exp(exponent)]))
         return float(abs(gain - prompt) - abs(static - prompt) / np.sqrt(2))
 
     guess = np.log(film.grid.slowest_decay_rate / film.sigma)
     return float(np.exp(brentq(gain_above_corner, guess - 6, guess + 6, rtol=1e-6)))
 
 
-def _start_and_stop_pressures(film: AveragedFilm) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _start_and_stop_pressures(
+    film: PeriodAveragedFilm,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Times T and the mean gauge pressure in p0 after start and stop, each (n,).
 
     From a thousandth of the slowest mode's decay time to twenty times that.
     """
     slowest = film.sigma / film.grid.slowest_decay_rate
-    time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, STEP_INSTANTS))
-    settled = film.density(film.steady_w(film.epsilon))
+    time = np.append(0.0, np.geomspace(1e-3 * slowest, 20 * slowest, STEP_RESPONSE_TIME_COUNT))
+    settled = film.density(film.steady_flow_potential(film.epsilon))
     rising = film.pressure_after_amplitude_jump(np.ones_like(settled), film.epsilon, time)
     return time, rising, film.pressure_after_amplitude_jump(settled, 0.0, time)
 
@@ -227,7 +232,7 @@ def quasi_static_gains(scenes: Sequence[Scene], *, tolerance: float, device: Dev
     within 2 % has no force.
     """
     within = min(tolerance, GAIN_FORCE_TOLERANCE)
-    (force, error, fall, off), _ = negative_force_slopes(
+    (force, error, fall, off), _ = forces_and_negative_slopes(
         scenes, "hv_m", tolerance=within, device=device
     )
     hv_m = np.array([scene.hv_m for scene in scenes])
@@ -235,7 +240,7 @@ def quasi_static_gains(scenes: Sequence[Scene], *, tolerance: float, device: Dev
     return np.stack([gain, np.abs(gain) * error / np.abs(force) + off * hv_m / force], axis=-1)
 
 
-def neglected_percent(
+def neglected_changes_percent(
     scenes: Sequence[Scene], *, tolerance: float, device: Device
 ) -> list[dict[str, float]]:
     """Changes in % of the scenes' responses by what the averaged film neglects, by columns.
@@ -261,7 +266,7 @@ def neglected_percent(
 
 def _slip_changes_percent(scene: Scene) -> dict[str, float]:
     slipping = scene.with_gas(rarefaction="slip")
-    if exceeded_limits(slipping, symbols=("Kn",)):
+    if exceeded_limit_texts(slipping, symbols=("Kn",)):
         return {f"slip_{what}_percent": nan for what in SLIP_CHANGE_COLUMNS}
     before, after = (
         _response_on_grid(film_scene, GRID_POINT_COUNTS[0]) for film_scene in (scene, slipping)
@@ -272,14 +277,18 @@ def _slip_changes_percent(scene: Scene) -> dict[str, float]:
     }
 
 
-def responses(
+def response_table(
     table: pd.DataFrame, scenes: Sequence[Scene], *, tolerance: float, device: Device
 ) -> pd.DataFrame:
     """The table with the response of each scene."""
-    unknown = {name: [nan] for name in Response._fields}
-    found = _joined_rows(table, scenes, lambda scene: pd.DataFrame([response(scene)]), unknown)
+    unknown = {name: [nan] for name in ForceResponse._fields}
+    found = _join_found_rows(
+        table, scenes, lambda scene: pd.DataFrame([force_response(scene)]), unknown
+    )
     known = np.flatnonzero(found["status"] == "ok").tolist()
-    changes = neglected_percent([scenes[k] for k in known], tolerance=tolerance, device=device)
+    changes = neglected_changes_percent(
+        [scenes[k] for k in known], tolerance=tolerance, device=device
+    )
     return pd.concat([found, pd.DataFrame(changes, index=known)], axis=1)
 
 
@@ -288,7 +297,7 @@ def gain_table(
 ) -> pd.DataFrame:
     """The table with a row for each scene and frequency: gain and phase."""
     unknown = {"frequency_hz": frequency_hz, "gain": nan, "phase_deg": nan, "error": nan}
-    return _joined_rows(
+    return _join_found_rows(
         table, scenes, partial(modulation_gains, frequency_hz=frequency_hz), unknown
     )
 
@@ -296,10 +305,10 @@ def gain_table(
 def start_and_stop_table(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """The table with a row for each scene and time: the mean force after start and stop."""
     unknown = {name: [nan] for name in ("time_s", "rising_n", "falling_n")}
-    return _joined_rows(table, scenes, start_and_stop_forces, unknown)
+    return _join_found_rows(table, scenes, start_and_stop_forces, unknown)
 
 
-def _joined_rows(
+def _join_found_rows(
     table: pd.DataFrame,
     scenes: Sequence[Scene],
     find: Callable[[Scene], pd.DataFrame],
@@ -310,9 +319,9 @@ def _joined_rows(
     What is unknown stands there with the reason as its ``status`` where nothing is found.
     """
     rows = []
-    with report_progress(len(scenes), unit="scene", name="response") as bar:
+    with track_progress(len(scenes), unit="scene", name="response") as bar:
         for row, scene in zip(table.to_dict(orient="records"), scenes, strict=True):
-            row["validity"] = validity(scene.viscous())
+            row["validity"] = validity_text(scene.viscous())
             try:
                 result = find(scene)
                 result["status"] = result.get("status", "ok")

@@ -9,9 +9,15 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 
-from squeezefilm.sections import SECTION_KEYS, BoundedNumber, TermSetting, error_at_key, key_of
+from squeezefilm.sections import (
+    SECTION_CONFIG,
+    BoundedNumber,
+    TermSetting,
+    error_at_key,
+    key_of_name,
+)
 
-AIR_LIKE_DEVIATION = 0.05
+MAX_VISCOSITY_DEVIATION = 0.05
 """By how much a written viscosity may differ, relative, from that of the gas that is named."""
 
 
@@ -56,7 +62,7 @@ class Gas:
         ambient_temperature_k: temperature of `name`, such as `20 °C`; a number is in kelvin
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     viscosity_pa_s: Annotated[float, BoundedNumber("Pa s", 1e-7, 100)] = 1.81e-5
     ambient_pressure_pa: Annotated[float, BoundedNumber("Pa", 1, 1e9)] = 101325.0
@@ -74,14 +80,14 @@ class Gas:
     ambient_temperature_k: Annotated[float, BoundedNumber("K", 223.15, 473.15)] = 293.15
 
 
-GASES_TABLE = Path(__file__).with_name("gases.csv")
+GASES_TABLE_PATH = Path(__file__).with_name("gases.csv")
 """Numbers of gases at some temperatures under the default pressure, with their sources."""
 
 
 @cache
 def _gases_table_rows() -> np.ndarray:
-    """Return the cells of GASES_TABLE, its header first."""
-    lines = GASES_TABLE.read_text(encoding="utf-8").splitlines()
+    """Return the cells of GASES_TABLE_PATH, its header first."""
+    lines = GASES_TABLE_PATH.read_text(encoding="utf-8").splitlines()
     return np.array([line.split(",") for line in lines if not line.startswith("#")])
 
 
@@ -100,20 +106,21 @@ def _properties_of_named_gas(gas: Gas) -> dict[str, float]:
     return own
 
 
-def _gas_with_properties(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
+def _fill_gas_properties(values: Any, validated: ValidatorFunctionWrapHandler) -> Gas:
     """A gas with what is not written of it: by its name, temperature and pressure."""
     gas = validated(values)
     own, written = _properties_of_named_gas(gas), values if isinstance(values, dict) else {}
-    lacking = [each for each in own if key_of(each) not in written]
+    lacking = [each for each in own if key_of_name(each) not in written]
     viscosity = own["viscosity_pa_s"]
     if (
         "viscosity" in written
-        and abs(gas.viscosity_pa_s / viscosity - 1) > AIR_LIKE_DEVIATION
+        and abs(gas.viscosity_pa_s / viscosity - 1) > MAX_VISCOSITY_DEVIATION
         and lacking
     ):
         raise error_at_key(
             f"{gas.viscosity_pa_s:g} is not that of {gas.name} at {gas.ambient_temperature_k:g} K, "
-            f"{viscosity:.4g}; of another gas give {', '.join(map(key_of, lacking))} too, which "
+            f"{viscosity:.4g}; of another gas give {', '.join(map(key_of_name, lacking))} too, "
+            f"which "
             f"are {gas.name}'s where they are not written",
             "viscosity",
         )
@@ -124,10 +131,10 @@ def _gas_with_properties(values: Any, validated: ValidatorFunctionWrapHandler) -
             "slip_coefficient",
         )
     gas = replace(gas, **{each: own[each] for each in lacking})
-    if key_of("mean_free_path_m") in written:
+    if key_of_name("mean_free_path_m") in written:
         return gas
     path_m = gas.viscosity_pa_s * sqrt(pi / 2 / gas.ambient_pressure_pa / gas.density_kg_per_m3)
     return replace(gas, mean_free_path_m=float(f"{path_m:.5g}"))
 
 
-GasOfStudy = Annotated[Gas, WrapValidator(_gas_with_properties)]
+GasOfStudy = Annotated[Gas, WrapValidator(_fill_gas_properties)]

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval
 
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.measured.table import read_points
+from squeezefilm.film.measured.table import read_point_table
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
 # of the disc itself would need no ν at the centre. With 1.05 16 nodes across reach what takes 19
@@ -29,10 +29,10 @@ from squeezefilm.film.measured.table import read_points
 # with inertia twice as many.
 MIN_MAP_ASPECT = 1.01
 # Points around by which a map is found, and how well it meets the outline, relative to its size.
-MAP_POINTS = 256
+MAP_POINT_COUNT = 256
 MAP_TOLERANCE = 1e-12
 # The same for outlines that are known less well.
-CURVE_MAP_POINTS = 512
+CURVE_MAP_POINT_COUNT = 512
 CURVE_MAP_TOLERANCE = 1e-8
 MAX_MAP_ITERATIONS = 30
 TOO_SHARP_MESSAGE = (
@@ -40,7 +40,7 @@ TOO_SHARP_MESSAGE = (
     "ellipse that it is most like"
 )
 # Points by which an outline is drawn.
-OUTLINE_SAMPLES = 1024
+OUTLINE_SAMPLE_COUNT = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,12 +68,12 @@ class Outline:
 
     @cached_property
     def points(self) -> np.ndarray:
-        """Points x + iy all along it, shape (OUTLINE_SAMPLES,)."""
+        """Points x + iy all along it, shape (OUTLINE_SAMPLE_COUNT,)."""
         return self.point_at(
-            np.array(self.edge_mu), 2 * pi * np.arange(OUTLINE_SAMPLES) / OUTLINE_SAMPLES
+            np.array(self.edge_mu), 2 * pi * np.arange(OUTLINE_SAMPLE_COUNT) / OUTLINE_SAMPLE_COUNT
         )
 
-    def within(self, z: np.ndarray) -> np.ndarray:
+    def contains_positions(self, z: np.ndarray) -> np.ndarray:
         """Return whether positions x + iy, shape (N,), lie within the outline."""
         inside = []
         for batch in np.array_split(z, max(1, len(z) // 500)):
@@ -100,32 +100,32 @@ class Outline:
         """x + iy of coordinates of a common shape."""
         return np.asarray(chebval(np.cosh(mu + 1j * np.asarray(nu)), self.coefficients))
 
-    def map_slope(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    def conformal_map_slope(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """d(x + iy)/d(μ + iν)."""
         zeta = mu + 1j * np.asarray(nu)
         return np.asarray(np.sinh(zeta) * chebval(np.cosh(zeta), chebder(self.coefficients)))
 
-    def map_log_slope(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    def conformal_map_log_slope(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """z″/z′, with z = x + iy as a function of μ + iν."""
         zeta = mu + 1j * np.asarray(nu)
         c, first = np.cosh(zeta), chebder(self.coefficients)
         more = np.sinh(zeta) * chebval(c, chebder(first)) / chebval(c, first)
         return np.asarray(1 / np.tanh(zeta) + more)
 
-    def area_ratio(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
+    def map_jacobian(self, mu: np.ndarray, nu: np.ndarray) -> np.ndarray:
         """Jacobian J = |d(x + iy)/d(μ + iν)|², the pad's area per area of (μ, ν)."""
-        return np.asarray(np.abs(self.map_slope(mu, nu)) ** 2)
+        return np.asarray(np.abs(self.conformal_map_slope(mu, nu)) ** 2)
 
     @cached_property
-    def mean_area_ratio(self) -> float:
+    def mean_map_jacobian(self) -> float:
         """Mean of the Jacobian J over the strip that maps to the pad."""
         return self.area / (2 * pi * self.edge_mu)
 
     @cached_property
-    def varies_more_with_nu(self) -> bool:
+    def jacobian_varies_more_with_nu(self) -> bool:
         """Return whether the Jacobian J varies more with ν than with μ."""
         mu, nu = np.meshgrid(np.linspace(0, self.edge_mu, 33), np.linspace(0, 2 * pi, 128)[:-1])
-        area = self.area_ratio(mu, nu)
+        area = self.map_jacobian(mu, nu)
         return bool(np.var(area.mean(axis=1)) > np.var(area.mean(axis=0)))
 
     @cached_property
@@ -135,14 +135,16 @@ class Outline:
         return min(self.edge_mu, -log(self.map_error) / waves) if waves > 1 else self.edge_mu
 
     @cached_property
-    def mean_edge_area_ratio(self) -> float:
+    def mean_edge_jacobian(self) -> float:
         """Mean of the Jacobian J on the outline, where the film has its boundary layers."""
-        return float(np.mean(self.edge_area_ratio_range))
+        return float(np.mean(self.edge_jacobian_range))
 
     @cached_property
-    def edge_area_ratio_range(self) -> tuple[float, float]:
+    def edge_jacobian_range(self) -> tuple[float, float]:
         """Smallest and largest Jacobian J on the outline."""
-        around = self.area_ratio(np.array(self.edge_mu), np.linspace(0, 2 * pi, 4 * MAP_POINTS))
+        around = self.map_jacobian(
+            np.array(self.edge_mu), np.linspace(0, 2 * pi, 4 * MAP_POINT_COUNT)
+        )
         return float(around.min()), float(around.max())
 
     def coordinates(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -154,7 +156,7 @@ class Outline:
         nearest = np.abs(self.point_at(zeta.real, zeta.imag)[None] - z[:, None]).argmin(axis=1)
         zeta_found = zeta[nearest]
         for _ in range(8):
-            slope = self.map_slope(zeta_found.real, zeta_found.imag)
+            slope = self.conformal_map_slope(zeta_found.real, zeta_found.imag)
             step = (self.point_at(zeta_found.real, zeta_found.imag) - z) / np.where(
                 slope == 0, 1, slope
             )
@@ -177,7 +179,7 @@ class DiscCoordinates:
         return 0.5 + np.hypot(x - 0.5, y - 0.5), np.arctan2(y - 0.5, x - 0.5)
 
 
-POLAR_COORDINATES = DiscCoordinates()
+DISC_COORDINATES = DiscCoordinates()
 
 
 @lru_cache(maxsize=256)
@@ -191,16 +193,16 @@ def ellipse_outline(aspect: float) -> Outline:
     else:
         edge_mu = atanh(1 / MIN_MAP_ASPECT)
         waves = np.array([longer - shorter, 0, longer + shorter]) / 2
-        coefficients = turn * conformal_map(waves, edge_mu).real
+        coefficients = turn * conformal_map_coefficients(waves, edge_mu).real
         coefficients[::2] = 0  # of both symmetries
     return Outline(coefficients, edge_mu, aspect, aspect > 1, even_x=True, even_y=True)
 
 
-def conformal_map(
+def conformal_map_coefficients(
     curve: np.ndarray,
     edge_mu: float,
     *,
-    points: int = MAP_POINTS,
+    points: int = MAP_POINT_COUNT,
     exact: float = MAP_TOLERANCE,
     first_guess: Callable[[np.ndarray], np.ndarray] = np.copy,
 ) -> np.ndarray:
@@ -247,7 +249,7 @@ def conformal_map(
     return coefficients[:last]
 
 
-CONTOUR_FORMAT = (
+CONTOUR_FORMAT_TEXT = (
     "a header x_mm,y_mm (or another unit) and a point of the edge in each row, one after the other"
 )
 MIN_CONTOUR_POINTS, MAX_CONTOUR_POINTS = 16, 4000
@@ -276,27 +278,33 @@ def read_contour(path: Path, *, sides_m: tuple[float, float], scatter_m: float =
     """
     if not path.is_file():
         raise InputError(f"{path}: there is no such outline")
-    return _read_contour_curve(path, path.stat().st_mtime_ns, sides_m, scatter_m)
+    return _cached_contour_outline(path, path.stat().st_mtime_ns, sides_m, scatter_m)
 
 
 @lru_cache(maxsize=16)
-def _read_contour_curve(
+def _cached_contour_outline(
     path: Path, _changed: int, sides_m: tuple[float, float], scatter_m: float
 ) -> Outline:
     with prefix_errors(path):
         waves, off_m = _fitted_curve(_contour_points(path), scatter_m=scatter_m)
-        return _mapped_curve(_scaled_to_sides(waves, off_m, sides_m), sides_m, off_m)
+        return _outline_of_curve(_scale_curve_to_sides(waves, off_m, sides_m), sides_m, off_m)
 
 
 def _missing_coordinate_problems(known: Collection[str]) -> dict[str, bool]:
     """Problems of an outline with some quantities."""
-    return {f"there is no column x or y; an outline is {CONTOUR_FORMAT}": {*known} != {"x", "y"}}
+    return {
+        f"there is no column x or y; an outline is {CONTOUR_FORMAT_TEXT}": {*known} != {"x", "y"}
+    }
 
 
 def _contour_points(path: Path) -> np.ndarray:
     """Points x + iy in metres, against the clock, checked."""
-    table, _, _ = read_points(
-        path, ("x", "y"), what="outline", form=CONTOUR_FORMAT, complete=_missing_coordinate_problems
+    table, _, _ = read_point_table(
+        path,
+        ("x", "y"),
+        what="outline",
+        form=CONTOUR_FORMAT_TEXT,
+        complete=_missing_coordinate_problems,
     )
     z = (table["x"] + 1j * table["y"]).to_numpy()
     if len(z) > 1 and z[0] == z[-1]:  # the first again closes it
@@ -312,10 +320,10 @@ def _contour_points(path: Path) -> np.ndarray:
             "first, and no others that follow each other are more than "
             f"{steps[:-1].max() * 1e3:.3g} mm apart"
         )
-    return z if _triangle_areas(z).sum() > 0 else z[::-1]
+    return z if _twice_triangle_areas(z).sum() > 0 else z[::-1]
 
 
-def _triangle_areas(contour: np.ndarray) -> np.ndarray:
+def _twice_triangle_areas(contour: np.ndarray) -> np.ndarray:
     """Twice the areas of the triangles (origin, point k, point k + 1) of a closed contour."""
     return np.asarray((contour.conj() * np.roll(contour, -1)).imag)
 
@@ -354,10 +362,12 @@ def _curve_and_slope(waves: np.ndarray, parameter: np.ndarray) -> tuple[np.ndarr
     return terms @ waves, terms @ (1j * k * waves)
 
 
-def _scaled_to_sides(waves: np.ndarray, off_m: float, sides_m: tuple[float, float]) -> np.ndarray:
+def _scale_curve_to_sides(
+    waves: np.ndarray, off_m: float, sides_m: tuple[float, float]
+) -> np.ndarray:
     """Return the curve over the pad's length along x, centred, with the sides of the study."""
     contour, _ = _curve_and_slope(
-        waves, 2 * np.pi * np.arange(4 * OUTLINE_SAMPLES) / (4 * OUTLINE_SAMPLES)
+        waves, 2 * np.pi * np.arange(4 * OUTLINE_SAMPLE_COUNT) / (4 * OUTLINE_SAMPLE_COUNT)
     )
     extents = np.array([np.ptp(contour.real), np.ptp(contour.imag)])
     if np.any(np.abs(extents - sides_m) > SIDES_TOLERANCE * extents + 2 * off_m):
@@ -376,11 +386,11 @@ def _scaled_to_sides(waves: np.ndarray, off_m: float, sides_m: tuple[float, floa
     return np.asarray(along_x + along_y * aspect)
 
 
-def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float) -> Outline:
+def _outline_of_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float) -> Outline:
     """A curve in conformal coordinates; raises InputError where there are none."""
-    parameters = 2 * np.pi * np.arange(OUTLINE_SAMPLES + 1) / OUTLINE_SAMPLES
+    parameters = 2 * np.pi * np.arange(OUTLINE_SAMPLE_COUNT + 1) / OUTLINE_SAMPLE_COUNT
     contour, _ = _curve_and_slope(curve, parameters[:-1])
-    weights = _triangle_areas(contour)
+    weights = _twice_triangle_areas(contour)
     from_centre = contour - (weights * (contour + np.roll(contour, -1))).sum() / 3 / weights.sum()
     # Second moments of the inside tell the ellipse that it is most like.
     one, other = from_centre, np.roll(from_centre, -1)
@@ -404,8 +414,8 @@ def _mapped_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: float)
         return np.interp(wanted - 2 * np.pi * turns, along, parameters) + 2 * np.pi * turns
 
     mu = float(np.arctanh(1 / shape))
-    coefficients = conformal_map(
-        curve, mu, points=CURVE_MAP_POINTS, exact=CURVE_MAP_TOLERANCE, first_guess=first_guess
+    coefficients = conformal_map_coefficients(
+        curve, mu, points=CURVE_MAP_POINT_COUNT, exact=CURVE_MAP_TOLERANCE, first_guess=first_guess
     )
     aspect, scatter = sides_m[1] / sides_m[0], off_m / sides_m[0]
     return Outline(coefficients, mu, aspect, map_error=CURVE_MAP_TOLERANCE, scatter=scatter)

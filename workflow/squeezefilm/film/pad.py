@@ -8,22 +8,22 @@ from typing import Annotated, Any, Literal, TypeVar
 import numpy as np
 from pydantic import ConfigDict
 
-from squeezefilm.film.outline import OUTLINE_SAMPLES, Outline, ellipse_outline
+from squeezefilm.film.outline import OUTLINE_SAMPLE_COUNT, Outline, ellipse_outline
 from squeezefilm.sections import (
     NOT_GIVEN,
-    SECTION_KEYS,
+    SECTION_CONFIG,
     BoundedNumber,
-    Direction,
-    Internal,
+    DirectionAngle,
+    GapRise,
+    InternalAttribute,
     Length,
-    Rise,
     Text,
     add_key_meanings,
     error_at_key,
-    key_of,
+    key_of_name,
 )
 
-EDGE_POINTS = 256
+EDGE_POINT_COUNT = 256
 
 Coordinate = TypeVar("Coordinate", float, np.ndarray)
 
@@ -38,7 +38,7 @@ class OutlineFile:
             of the longer side
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     file: Text
     scatter_m: Annotated[float, BoundedNumber("m", 0, 1)] = 0.0
@@ -57,11 +57,11 @@ class GapShape:
             surface
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
-    tilt_x_m: Rise = 0.0
-    tilt_y_m: Rise = 0.0
-    crown_m: Rise = 0.0
+    tilt_x_m: GapRise = 0.0
+    tilt_y_m: GapRise = 0.0
+    crown_m: GapRise = 0.0
 
     @property
     def flat(self) -> bool:
@@ -79,7 +79,7 @@ SIDE_KEYS = ("length_x_m", "length_y_m")
 
 def _add_circle_to_schema(schema: dict[str, Any], section: type) -> None:
     circle = {"properties": {"shape": {"const": "circle"}}, "required": ["shape"]}
-    sides = {"required": list(map(key_of, SIDE_KEYS))}
+    sides = {"required": list(map(key_of_name, SIDE_KEYS))}
     schema |= {"if": circle, "then": {"required": ["diameter"]}, "else": sides}
     add_key_meanings(schema, section)
 
@@ -104,17 +104,17 @@ class Pad:
         speed_x_m_per_s: speed at which the surface passes it, along the pad's +x axis; 0 at rest
     """
 
-    __pydantic_config__ = SECTION_KEYS | ConfigDict(json_schema_extra=_add_circle_to_schema)
+    __pydantic_config__ = SECTION_CONFIG | ConfigDict(json_schema_extra=_add_circle_to_schema)
 
     shape: PadShape = field(default="rectangle", kw_only=True)
     diameter_m: Length = field(default=NOT_GIVEN, kw_only=True)
     outline: OutlineFile = field(default=NOT_GIVEN, kw_only=True)
     length_x_m: Length = NOT_GIVEN
     length_y_m: Length = NOT_GIVEN
-    rotation_deg: Direction = field(default=0.0, kw_only=True)
+    rotation_deg: DirectionAngle = field(default=0.0, kw_only=True)
     speed_x_m_per_s: Annotated[float, BoundedNumber("m/s", -10000, 10000)] = 0.0
     gap: GapShape = field(default_factory=GapShape, kw_only=True)
-    contour: Internal[Outline | None] = field(default=None, kw_only=True)
+    contour: InternalAttribute[Outline | None] = field(default=None, kw_only=True)
 
     @property
     def area_m2(self) -> float:
@@ -123,9 +123,9 @@ class Pad:
         return self.length_x_m * self.length_y_m
 
     @property
-    def reach_m(self) -> float:
+    def max_radius_m(self) -> float:
         """Distance of the outline's farthest point from the pad's centre."""
-        return float(np.hypot(*self.edge_m().T).max())
+        return float(np.hypot(*self.edge_points_m().T).max())
 
     @property
     def smooth_outline(self) -> Outline | None:
@@ -134,24 +134,24 @@ class Pad:
             return ellipse_outline(self.length_y_m / self.length_x_m)
         return self.contour
 
-    def edge_m(self) -> np.ndarray:
+    def edge_points_m(self) -> np.ndarray:
         """Points on the edge from the pad's centre, along the actuator's axes: (points, 2) in m.
 
         A rectangle's four corners, or points all around another pad.
         """
         if outline := self.smooth_outline:
-            contour = outline.points[:: OUTLINE_SAMPLES // EDGE_POINTS]
+            contour = outline.points[:: OUTLINE_SAMPLE_COUNT // EDGE_POINT_COUNT]
             x_m, y_m = contour.real * self.length_x_m, contour.imag * self.length_x_m
         else:
             x_m, y_m = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2
             x_m, y_m = x_m * self.length_x_m, y_m * self.length_y_m
         return np.stack(self.turned(x_m, y_m), axis=1)
 
-    def within(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def contains_positions(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return whether positions in [0, 1] across the sides lie under the pad."""
         if self.contour:
             z = (x - 0.5) + 1j * (y - 0.5) * self.contour.aspect
-            return self.contour.within(z.ravel()).reshape(z.shape)
+            return self.contour.contains_positions(z.ravel()).reshape(z.shape)
         if self.shape == "ellipse":
             return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1 + 1e-12)
         return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
@@ -167,12 +167,12 @@ class Pad:
 UNIFORM_GAP = GapShape()
 
 
-def with_keys_of_shape(pad: Pad) -> Pad:
+def validate_shape_keys(pad: Pad) -> Pad:
     """A pad with the keys of its shape alone; a circle is an ellipse of equal axes."""
     own = {"circle": ("diameter_m",), "curve": (*SIDE_KEYS, "outline")}.get(pad.shape, SIDE_KEYS)
     for name in (*SIDE_KEYS, "diameter_m", "outline"):
         if (getattr(pad, name) is None) == (name in own):
-            key, keys = key_of(name), ", ".join(map(key_of, own))
+            key, keys = key_of_name(name), ", ".join(map(key_of_name, own))
             text = f"with shape: {pad.shape} give {keys}, not {key}"
             raise error_at_key(text, key, kind="missing" if name in own else "relation")
     if pad.shape != "circle":
@@ -187,7 +187,7 @@ def with_keys_of_shape(pad: Pad) -> Pad:
 
 
 @lru_cache(maxsize=256)
-def net(pad: Pad) -> tuple[np.ndarray, np.ndarray]:
+def net_points_on_pad(pad: Pad) -> tuple[np.ndarray, np.ndarray]:
     """A net of points x, y over the pad, edge included, in [0, 1]."""
     if outline := pad.smooth_outline:
         across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))

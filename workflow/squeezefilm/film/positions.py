@@ -10,37 +10,45 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from squeezefilm.lazy import pd
-from squeezefilm.sections import DERIVED, BoundedNumber, Section, UniqueItems
+from squeezefilm.sections import DERIVED_DEFAULT, BoundedNumber, Section, UniqueItems
 
-POLAR, CARTESIAN = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
+POLAR_COLUMNS, CARTESIAN_COLUMNS = ("phi_r_m", "phi_deg"), ("x_m", "y_m")
 """The two forms in which a pad's position stands in tables."""
 
 
-def position_form(columns: Iterable[object]) -> tuple[str, str]:
+def find_position_columns(columns: Iterable[object]) -> tuple[str, str]:
     """The form of a table's position: polar, unless the Cartesian one alone is there."""
     names = set(columns)
-    return CARTESIAN if names & set(CARTESIAN) and not names & set(POLAR) else POLAR
+    return (
+        CARTESIAN_COLUMNS
+        if names & set(CARTESIAN_COLUMNS) and not names & set(POLAR_COLUMNS)
+        else POLAR_COLUMNS
+    )
 
 
-def columns_in_form(columns: Iterable[str], table: Iterable[object]) -> list[str]:
+def columns_in_table_form(columns: Iterable[str], table: Iterable[object]) -> list[str]:
     """Columns that are named for polar positions, in the form that a table has them in."""
-    form = dict(zip(POLAR, position_form(table), strict=True))
+    form = dict(zip(POLAR_COLUMNS, find_position_columns(table), strict=True))
     return [form.get(name, name) for name in columns]
 
 
 def with_both_coordinates(table: pd.DataFrame) -> pd.DataFrame:
     """The table with both coordinates of its position: 0 for one that it has not."""
-    form = position_form(table) if {*POLAR, *CARTESIAN} & {*table} else CARTESIAN
+    form = (
+        find_position_columns(table)
+        if {*POLAR_COLUMNS, *CARTESIAN_COLUMNS} & {*table}
+        else CARTESIAN_COLUMNS
+    )
     return table.assign(**{name: 0.0 for name in form if name not in table})
 
 
-def cartesian(phi_r_m: ArrayLike, phi_deg: ArrayLike) -> dict[str, Any]:
+def cartesian_from_polar(phi_r_m: ArrayLike, phi_deg: ArrayLike) -> dict[str, Any]:
     """The Cartesian position of a polar one, or of many as columns."""
     angle = np.radians(phi_deg)
     return {"x_m": phi_r_m * np.cos(angle), "y_m": phi_r_m * np.sin(angle)}
 
 
-def polar(x_m: ArrayLike, y_m: ArrayLike) -> dict[str, Any]:
+def polar_from_cartesian(x_m: ArrayLike, y_m: ArrayLike) -> dict[str, Any]:
     """The polar position of a Cartesian one, or of many as columns."""
     return {"phi_r_m": np.hypot(x_m, y_m), "phi_deg": np.degrees(np.arctan2(y_m, x_m))}
 
@@ -70,12 +78,12 @@ class Positions(Section):
         y_m: the same along y; default: the same along y
     """
 
-    points: Annotated[int, Field(strict=True, ge=4, le=1000)] = DERIVED
+    points: Annotated[int, Field(strict=True, ge=4, le=1000)] = DERIVED_DEFAULT
     phi_r_m: Annotated[
         list[Annotated[float, BoundedNumber("m", 0, 10, open=True)]], OneTo100Items, UniqueItems
-    ] = DERIVED
+    ] = DERIVED_DEFAULT
     phi_deg: Annotated[
         list[Annotated[float, BoundedNumber("°", 0, 360)]], OneTo100Items, UniqueItems
-    ] = DERIVED
-    x_m: Distances = DERIVED
-    y_m: Distances = DERIVED
+    ] = DERIVED_DEFAULT
+    x_m: Distances = DERIVED_DEFAULT
+    y_m: Distances = DERIVED_DEFAULT

@@ -15,9 +15,16 @@ import numpy as np
 from pydantic import AfterValidator, Field, GetPydanticSchema, PlainSerializer, StrictBool
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.surfaces import Disc, Orders, Surface
-from squeezefilm.formulas import Expression, constants_of, parse_formula
-from squeezefilm.sections import SECTION_KEYS, BoundedNumber, Direction, Internal, Length, Text
+from squeezefilm.film.surfaces import Disc, ModeOrders, Surface
+from squeezefilm.formulas import Expression, parse_constants, parse_formula
+from squeezefilm.sections import (
+    SECTION_CONFIG,
+    BoundedNumber,
+    DirectionAngle,
+    InternalAttribute,
+    Length,
+    Text,
+)
 
 UNBOUNDED_SURFACE = Disc(inf)
 # Values of modes, points times modes, that are kept to be used again: 8 MB.
@@ -59,7 +66,7 @@ class Sinc(Profile):
         wave_number_per_m: k, with r from the centre
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     kind: Literal["sinc"] = field(default="sinc", kw_only=True)
     wave_number_per_m: Annotated[float, BoundedNumber("1/m", 0, 1e6, open=True)]
@@ -72,7 +79,7 @@ class Sinc(Profile):
 class Piston(Profile):
     """s = 1: a flat surface that moves as a whole, the case of the paper's eq. (6)."""
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     kind: Literal["piston"] = field(default="piston", kw_only=True)
 
@@ -94,13 +101,13 @@ class StandingWave(Profile):
             amplitude on which is 1
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     kind: Literal["standing-wave"] = field(default="standing-wave", kw_only=True)
     wavelength_m: Length
-    direction_deg: Direction = 0.0
+    direction_deg: DirectionAngle = 0.0
     crest_m: Annotated[float, BoundedNumber("m", -10, 10)] = 0.0
-    surface: Internal[Surface] = UNBOUNDED_SURFACE
+    surface: InternalAttribute[Surface] = UNBOUNDED_SURFACE
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         along = x_m * cos(radians(self.direction_deg)) + y_m * sin(radians(self.direction_deg))
@@ -120,11 +127,11 @@ class TravellingWave(Profile):
         direction_deg: direction in which it travels, from the x axis
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     kind: Literal["travelling-wave"] = field(default="travelling-wave", kw_only=True)
     wavelength_m: Length
-    direction_deg: Direction = 0.0
+    direction_deg: DirectionAngle = 0.0
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         # sin T cos ku − cos T sin ku = sin(T − ku)
@@ -147,21 +154,21 @@ class BesselMode(Profile):
         direction_deg: φ0, direction of an antinode, from the x axis
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     kind: Literal["bessel"] = field(default="bessel", kw_only=True)
     nodal_diameters: Annotated[int, Field(strict=True, ge=0, le=20)]
     wave_number_rad_per_m: Annotated[float, BoundedNumber("rad/m", 0, 1e6, open=True)]
     edge_share: Annotated[float, BoundedNumber("1", -1e6, 1e6)] = 0.0
-    direction_deg: Direction = 0.0
-    surface: Internal[Surface] = UNBOUNDED_SURFACE
+    direction_deg: DirectionAngle = 0.0
+    surface: InternalAttribute[Surface] = UNBOUNDED_SURFACE
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         angle = np.arctan2(y_m, x_m) - radians(self.direction_deg)
         around = np.cos(self.nodal_diameters * angle)
-        return self.unscaled(x_m, y_m) * around / largest_unscaled_magnitude(self)
+        return self.unscaled_amplitude(x_m, y_m) * around / largest_unscaled_magnitude(self)
 
-    def unscaled(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    def unscaled_amplitude(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """The mode along the direction of an antinode, before it is scaled."""
         from scipy.special import iv, jv
 
@@ -193,18 +200,18 @@ class Formula(Profile):
         constants: names of numbers with their units, such as `{wavelength: 12 mm}`, for both
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     kind: Literal["formula"] = field(default="formula", kw_only=True)
     expression: Text
-    surface: Internal[Surface] = UNBOUNDED_SURFACE
+    surface: InternalAttribute[Surface] = UNBOUNDED_SURFACE
     quadrature: Text = "0"
     constants: Constants = ()
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        return self.unscaled(x_m, y_m) / largest_unscaled_magnitude(self)
+        return self.unscaled_amplitude(x_m, y_m) / largest_unscaled_magnitude(self)
 
-    def unscaled(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    def unscaled_amplitude(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """The expressions' value."""
         x, y = np.broadcast_arrays(x_m, y_m)
         coordinates = {"x": x, "y": y, "r": np.hypot(x, y), "phi": np.arctan2(y, x)}
@@ -217,14 +224,14 @@ class Formula(Profile):
 
 
 @dataclass(frozen=True)
-class Modes(Profile):
+class ModeSum(Profile):
     """A sum of smooth modes on the surface: a measured profile, smoothed (measured/smooth.py).
 
     ``orders`` are the modes' two numbers (surfaces.py). ``largest`` is the largest magnitude on
     the surface: above 1 by what noise has put on the maximum.
     """
 
-    orders: Orders
+    orders: ModeOrders
     coefficients: tuple[complex, ...]
     surface: Surface
     largest: float = 1.0
@@ -240,14 +247,14 @@ class Modes(Profile):
 
 @lru_cache(maxsize=16)
 def _cached_modes(
-    surface: Surface, orders: Orders, shape: tuple[int, ...], x_m: bytes, y_m: bytes
+    surface: Surface, orders: ModeOrders, shape: tuple[int, ...], x_m: bytes, y_m: bytes
 ) -> np.ndarray:
     """The modes at points given as bytes: profiles with other noise are asked at the same ones."""
     return surface.modes_at(orders, *(np.frombuffer(at).reshape(shape) for at in (x_m, y_m)))
 
 
 @dataclass(frozen=True)
-class Quadrature(Profile):
+class QuadratureProfile(Profile):
     """s = a s₁ + i b s₂: two components a quarter of a period apart, the second one ahead.
 
     ``component_factors`` are a and b, such that the largest |s| on the surface is 1.
@@ -268,7 +275,7 @@ Coordinate = Annotated[float, BoundedNumber("m", -10, 10)]
 
 @dataclass(frozen=True)
 class ScanFile:
-    """A measured shape, which is smoothed into ``Modes`` (measured/smooth.py).
+    """A measured shape, which is smoothed into ``ModeSum`` (measured/smooth.py).
 
     Attributes:
         file: a vibrometer's table (see below), from the folder of this file
@@ -284,7 +291,7 @@ class ScanFile:
             that of the measured points, beyond which it may be larger
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     kind: Literal["measured"] = field(default="measured", kw_only=True)
     file: Text
@@ -295,13 +302,13 @@ class ScanFile:
     scale: Literal["surface", "measured"] = "surface"
 
 
-PROFILE_KINDS = Sinc | Piston | StandingWave | TravellingWave | BesselMode | Formula | ScanFile
+ProfileOfStudy = Sinc | Piston | StandingWave | TravellingWave | BesselMode | Formula | ScanFile
 """The profiles that a study can have."""
 
 
 # Spacing of the nets around a maximum, of half the surface, from the first to the last.
 # What a larger value is larger by at least, relative.
-FIRST_SPACING, LAST_SPACING, ROUND_OFF = 0.01, 1e-6, 1e-13
+FIRST_NET_SPACING, LAST_NET_SPACING, ROUND_OFF = 0.01, 1e-6, 1e-13
 
 
 def largest_magnitude(
@@ -315,18 +322,18 @@ def largest_magnitude(
 
     def magnitude_at(at: np.ndarray) -> np.ndarray:
         """Values at scaled points, shape (2, …); points off the surface are moved onto its edge."""
-        x_m, y_m = at / np.maximum(surface.reach(*(at.T * half_m).T), 1)
+        x_m, y_m = at / np.maximum(surface.relative_distance(*(at.T * half_m).T), 1)
         return np.abs(shape(x_m * half_m[0], y_m * half_m[1]))
 
-    x_m, y_m, _ = surface.net(finer=True)
+    x_m, y_m, _ = surface.net_points_and_weights(finer=True)
     net = np.stack([x_m.ravel(), y_m.ravel()]) / half_m[:, None]
     with np.errstate(all="ignore"):
         sizes = magnitude_at(net)
     if not np.all(np.isfinite(sizes)):
         return np.nan
-    best, largest, spacing = net[:, np.argmax(sizes)], float(sizes.max()), FIRST_SPACING
+    best, largest, spacing = net[:, np.argmax(sizes)], float(sizes.max()), FIRST_NET_SPACING
     around = np.stack(np.meshgrid(*2 * [np.arange(-2.0, 3.0)])).reshape(2, -1)
-    while spacing > LAST_SPACING:
+    while spacing > LAST_NET_SPACING:
         near = best[:, None] + spacing * around
         with np.errstate(all="ignore"):
             sizes = np.nan_to_num(magnitude_at(near), nan=0.0, posinf=0.0)
@@ -348,7 +355,7 @@ def _parsed_expression(
         expression,
         names=names,
         source=f"{place}.expression",
-        constants=constants_of(dict(constants), names=names, source=place, angles_rad=True),
+        constants=parse_constants(dict(constants), names=names, source=place, angles_rad=True),
     )
 
 
@@ -358,7 +365,7 @@ def largest_unscaled_magnitude(profile: BesselMode | Formula) -> float:
 
     Raises InputError where it is not finite, or zero.
     """
-    size = largest_magnitude(profile.unscaled, surface=profile.surface)
+    size = largest_magnitude(profile.unscaled_amplitude, surface=profile.surface)
     if not (isfinite(size) and size):
         kind = "formula" if isinstance(profile, Formula) else "bessel"
         raise InputError(
@@ -371,11 +378,11 @@ def largest_unscaled_magnitude(profile: BesselMode | Formula) -> float:
 # A formula may hide a spot too narrow for evenly spread samples to be sure to meet it; the other
 # profiles are as fine at one place as at any other. It is scanned once, on lines of a net of the
 # whole surface: a spot wider than about a thousandth of the surface is met.
-LANDMARK_NET_LINES = 1000
-# The net is searched in LANDMARK_NET_TILES × LANDMARK_NET_TILES parts, and the most remarkable of
-# them are followed up.
-LANDMARK_NET_TILES = 20
-LANDMARK_TILES_REFINED = 16
+FEATURE_NET_LINE_COUNT = 1000
+# The net is searched in FEATURE_TILES_PER_SIDE × FEATURE_TILES_PER_SIDE parts, and the most
+# remarkable of them are followed up.
+FEATURE_TILES_PER_SIDE = 20
+REFINED_FEATURE_TILE_COUNT = 16
 
 
 @lru_cache(maxsize=16)
@@ -388,28 +395,30 @@ def narrow_feature_points(profile: Profile) -> tuple[np.ndarray, np.ndarray]:
     if not isinstance(profile, Formula):
         return np.zeros(0), np.zeros(0)
     # Uneven lines, so that nothing with a period hides between them.
-    uneven = np.arange(LANDMARK_NET_LINES) * 0.6180339887498949 % 1
-    lines = 2 * (np.arange(LANDMARK_NET_LINES) + uneven) / LANDMARK_NET_LINES - 1
+    uneven = np.arange(FEATURE_NET_LINE_COUNT) * 0.6180339887498949 % 1
+    lines = 2 * (np.arange(FEATURE_NET_LINE_COUNT) + uneven) / FEATURE_NET_LINE_COUNT - 1
     x_lines_m, y_lines_m = (half * lines for half in profile.surface.half_extents_m)
     with np.errstate(all="ignore"):
         s = profile.amplitude(x_m=x_lines_m[:, None], y_m=y_lines_m[None, :])
         bends = np.maximum(
             _distances_from_chords(s, x_lines_m), _distances_from_chords(s.T, y_lines_m).T
         )
-    bends[profile.surface.reach(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
-    side = LANDMARK_NET_LINES // LANDMARK_NET_TILES
+    bends[profile.surface.relative_distance(x_lines_m[:, None], y_lines_m[None, :]) > 1] = 0.0
+    side = FEATURE_NET_LINE_COUNT // FEATURE_TILES_PER_SIDE
     tiles = (
-        bends.reshape(LANDMARK_NET_TILES, side, LANDMARK_NET_TILES, side)
+        bends.reshape(FEATURE_TILES_PER_SIDE, side, FEATURE_TILES_PER_SIDE, side)
         .transpose(0, 2, 1, 3)
-        .reshape(LANDMARK_NET_TILES**2, -1)
+        .reshape(FEATURE_TILES_PER_SIDE**2, -1)
     )
-    first = np.argsort(-tiles.max(axis=1), kind="stable")[:LANDMARK_TILES_REFINED]
+    first = np.argsort(-tiles.max(axis=1), kind="stable")[:REFINED_FEATURE_TILE_COUNT]
     row, column = np.divmod(tiles[first].argmax(axis=1), side)
     # Within two lines of each, where the profile stands out most from what is around.
-    near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / LANDMARK_NET_LINES])
+    near = np.meshgrid(*2 * [4 * np.linspace(-1, 1, 65) / FEATURE_NET_LINE_COUNT])
     half_x_m, half_y_m = profile.surface.half_extents_m
-    x_m = x_lines_m[first // LANDMARK_NET_TILES * side + row, None] + half_x_m * near[0].ravel()
-    y_m = y_lines_m[first % LANDMARK_NET_TILES * side + column, None] + half_y_m * near[1].ravel()
+    x_m = x_lines_m[first // FEATURE_TILES_PER_SIDE * side + row, None] + half_x_m * near[0].ravel()
+    y_m = (
+        y_lines_m[first % FEATURE_TILES_PER_SIDE * side + column, None] + half_y_m * near[1].ravel()
+    )
     with np.errstate(all="ignore"):
         s = profile.amplitude(x_m=x_m, y_m=y_m)
         contrast = np.nan_to_num(np.abs(s - s.mean(axis=1, keepdims=True)), posinf=0.0)

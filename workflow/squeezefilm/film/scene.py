@@ -13,13 +13,13 @@ import numpy as np
 from pydantic import Field, GetPydanticSchema
 
 from squeezefilm.film.gas import Gas as Gas
-from squeezefilm.film.pad import Pad, net
-from squeezefilm.film.profiles import PROFILE_KINDS, Profile, ScanFile
+from squeezefilm.film.pad import Pad, net_points_on_pad
+from squeezefilm.film.profiles import Profile, ProfileOfStudy, ScanFile
 from squeezefilm.film.surfaces import Disc, Rectangle, Surface
-from squeezefilm.sections import NOT_GIVEN, SECTION_KEYS, BoundedNumber, Length, error_at_key
+from squeezefilm.sections import NOT_GIVEN, SECTION_CONFIG, BoundedNumber, Length, error_at_key
 
-PROFILE_FROM_KEYS = GetPydanticSchema(
-    lambda _, schema: schema(Annotated[PROFILE_KINDS, Field(discriminator="kind")])
+PROFILE_SCHEMA = GetPydanticSchema(
+    lambda _, schema: schema(Annotated[ProfileOfStudy, Field(discriminator="kind")])
 )
 """Profiles that a study can have are told apart by their ``kind``."""
 
@@ -39,12 +39,12 @@ class Actuator:
             mode [J_n(kr) + c I_n(kr)] cos n(φ − φ0); `formula`; `measured`
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     frequency_hz: Annotated[float, BoundedNumber("Hz", 1e-3, 1e9)]
     surface_radius_m: Length = NOT_GIVEN
     rectangle: Annotated[Rectangle, Field(alias="surface")] = field(default=NOT_GIVEN, kw_only=True)
-    profile: Annotated[Profile, PROFILE_FROM_KEYS] = field(kw_only=True)
+    profile: Annotated[Profile, PROFILE_SCHEMA] = field(kw_only=True)
 
     @property
     def surface(self) -> Surface:
@@ -56,7 +56,7 @@ class Actuator:
         return 2 * pi * self.frequency_hz
 
 
-def with_one_surface(actuator: Actuator) -> Actuator:
+def validate_surface_keys(actuator: Actuator) -> Actuator:
     """An actuator that has one surface, and a profile that this can have."""
     if (actuator.rectangle is None) == (actuator.surface_radius_m is None):
         raise error_at_key(
@@ -86,16 +86,16 @@ class OperatingPoints:
     def sigma(self) -> Any:
         """Squeeze number 12 μ ω l0² / (p0 h0²), l0 the pad's length along x (paper eq. 1)."""
         speed = self.actuator.angular_frequency_rad_per_s * self.pad.length_x_m**2
-        return 12 * self.gas.viscosity_pa_s * speed / self._pressure_height
+        return 12 * self.gas.viscosity_pa_s * speed / self._pressure_times_gap_squared
 
     @cached_property
     def bearing_number(self) -> Any:
         """Bearing number Λ = 6 μ U l0 / (p0 h0²) (paper eq. 1)."""
         speed = self.pad.speed_x_m_per_s * self.pad.length_x_m
-        return 6 * self.gas.viscosity_pa_s * speed / self._pressure_height
+        return 6 * self.gas.viscosity_pa_s * speed / self._pressure_times_gap_squared
 
     @property
-    def _pressure_height(self) -> Any:
+    def _pressure_times_gap_squared(self) -> Any:
         return self.gas.ambient_pressure_pa * self.h0_m**2
 
     @property
@@ -183,19 +183,19 @@ class Scene(OperatingPoints):
 
     def closure(self) -> float:
         """Largest excursion over gap at rest, 1 where surface and pad touch (``Scenes``)."""
-        return float(self._alone.closure[0])
+        return float(self._as_scenes.closure[0])
 
     def inside(self) -> tuple[np.ndarray, np.ndarray]:
         """A net of points x, y over the pad, edge included, in [0, 1]."""
-        return net(self.pad)
+        return net_points_on_pad(self.pad)
 
     @property
     def pad_positions(self) -> PadPositions:
         """The pad's position."""
-        return self._alone.pad_positions[0]
+        return self._as_scenes.pad_positions[0]
 
     @cached_property
-    def _alone(self) -> Scenes:
+    def _as_scenes(self) -> Scenes:
         return Scenes.of([self])
 
 
@@ -268,7 +268,7 @@ MAX_CACHED_POSITIONS = 256
 Result = TypeVar("Result")
 
 
-def distinct_rows(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def distinct_row_indices(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The first of the rows that differ, and which of these each row is, (n,)."""
     count = len(columns[0])
     which = np.zeros(count, dtype=np.int64)
@@ -283,9 +283,9 @@ def distinct_rows(*columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return order[is_new], which
 
 
-def rows_by_value(*columns: np.ndarray) -> list[np.ndarray]:
+def equal_row_groups(*columns: np.ndarray) -> list[np.ndarray]:
     """The numbers of equal rows, each group of them in an array."""
-    first, which = distinct_rows(*columns)
+    first, which = distinct_row_indices(*columns)
     if len(first) < 2:
         return [np.arange(len(which))][: len(which)]
     ends = np.cumsum(np.bincount(which))[:-1]
@@ -328,21 +328,17 @@ class PadPositions:
     def subset(self, rows: Rows) -> PadPositions:
         return PadPositions(self.pad_profile, self.x_m[rows], self.y_m[rows])
 
-    def cached(self, find: Callable[..., Result], *arguments: Any) -> Result:
+    def compute_cached(self, find: Callable[..., Result], *arguments: Any) -> Result:
         """Return what a function finds of the positions, kept for when it is asked for again.
 
         Many gaps and amplitudes share their positions; of more than a few it is found each time.
         """
-        call = (
-            cached_by_films
-            if len(self.x_m) <= MAX_CACHED_POSITIONS
-            else cached_by_films.__wrapped__
-        )
+        call = call_cached if len(self.x_m) <= MAX_CACHED_POSITIONS else call_cached.__wrapped__
         return call(find, self, *arguments)
 
 
 @lru_cache(maxsize=512)
-def cached_by_films(find: Callable[..., Any], *arguments: Any) -> Any:
+def call_cached(find: Callable[..., Any], *arguments: Any) -> Any:
     """Return what a function finds of films and positions, known already where it was asked for."""
     return find(*arguments)
 
@@ -407,11 +403,11 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         if len(self.films) == 1:
             yield self.films[0], slice(None), self
             return
-        for rows in rows_by_value(self.film_index):
+        for rows in equal_row_groups(self.film_index):
             film, scenes_of_film = self.films[self.film_index[rows[0]]], self[rows]
             yield film, rows, replace(scenes_of_film, films=(film,), film_index=np.zeros_like(rows))
 
-    def find_at_positions(
+    def evaluate_at_positions(
         self, find: Callable[[PadPositions], Result]
     ) -> tuple[list[Result], np.ndarray]:
         """Something at the pad's positions, film by film, and which of all these each scene has."""
@@ -459,13 +455,13 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     def pad_positions(self) -> tuple[PadPositions, np.ndarray]:
         """The pad's positions of scenes of one film, and which of them each scene has, (n,)."""
         (film,) = self.films
-        first, which = distinct_rows(self.x_m, self.y_m)
+        first, which = distinct_row_indices(self.x_m, self.y_m)
         return PadPositions(film.pad_profile, self.x_m[first], self.y_m[first]), which
 
     @cached_property
-    def narrowest(self) -> np.ndarray:
+    def narrowest_gap_ratio(self) -> np.ndarray:
         """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        return self._amplitude_on_net[0]
+        return self._narrowest_gap_and_closure[0]
 
     @cached_property
     def closure(self) -> np.ndarray:
@@ -474,42 +470,42 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         For a flat gap as if the profile's maximum lay under the pad: ε, or a little more where
         noise has put something on the maximum of a measured profile.
         """
-        return self._amplitude_on_net[1]
+        return self._narrowest_gap_and_closure[1]
 
     @cached_property
-    def static_gap_range(self) -> tuple[np.ndarray, np.ndarray]:
+    def static_gap_ratio_range(self) -> tuple[np.ndarray, np.ndarray]:
         """Least and largest gap over h0 without vibration."""
-        least_m, most_m, _, _ = self._rises
+        least_m, most_m, _, _ = self._rise_statistics
         return 1 + least_m / self.h0_m, 1 + most_m / self.h0_m
 
     @property
-    def static_gap_mean(self) -> np.ndarray:
+    def static_gap_ratio_mean(self) -> np.ndarray:
         """Mean static gap over h0, (mean of 1/G⁴)^(−1/4) with the static gap G over h0.
 
         It weights the narrow places and is exact to second order in the deviation from the mean of
         G.
         """
-        _, _, mean_m, variance_m2 = self._rises
+        _, _, mean_m, variance_m2 = self._rise_statistics
         mean, variance = 1 + mean_m / self.h0_m, variance_m2 / self.h0_m**2
         return np.asarray(mean**2 / np.sqrt(mean**2 + 5 * variance))
 
     @cached_property
-    def _rises(self) -> np.ndarray:
+    def _rise_statistics(self) -> np.ndarray:
         return np.array(self.column(lambda film: _static_rise_statistics(film.pad))).T
 
     @cached_property
-    def _amplitude_on_net(self) -> tuple[np.ndarray, np.ndarray]:
+    def _narrowest_gap_and_closure(self) -> tuple[np.ndarray, np.ndarray]:
         largest = self.column(lambda film: getattr(film.actuator.profile, "largest", 1.0))
         narrowest, closure = 1 - self.epsilon, largest * self.epsilon
         for film, rows, scenes_of_film in () if self.flat else self.split_by_film():
             if not film.pad.gap.flat:
-                narrowest[rows], closure[rows] = scenes_of_film._narrowest_and_closure()
+                narrowest[rows], closure[rows] = scenes_of_film._gap_and_closure_on_net()
         return narrowest, closure
 
-    def _narrowest_and_closure(self) -> tuple[np.ndarray, np.ndarray]:
-        """``narrowest`` and ``closure`` of a film whose gap is shaped at rest."""
+    def _gap_and_closure_on_net(self) -> tuple[np.ndarray, np.ndarray]:
+        """``narrowest_gap_ratio`` and ``closure`` of a film whose gap is shaped at rest."""
         pad_positions, which = self.pad_positions
-        moves = pad_positions.cached(_amplitude_on_net)
+        moves = pad_positions.compute_cached(_amplitude_on_net)
         rises_m = _rise_on_net_m(pad_positions.pad_profile.pad)
         parts = []
         for batch in np.array_split(np.arange(len(self)), 1 + len(self) // SCENES_PER_NET_BATCH):
@@ -528,7 +524,7 @@ SCENES_PER_NET_BATCH = 128
 
 def _rise_on_net_m(pad: Pad) -> np.ndarray:
     """Gap at rest less h0 on a net of points over the pad."""
-    x, y = net(pad)
+    x, y = net_points_on_pad(pad)
     return pad.gap.rise_m(x.ravel(), y.ravel())
 
 
@@ -541,5 +537,5 @@ def _static_rise_statistics(pad: Pad) -> tuple[float, float, float, float]:
 
 def _amplitude_on_net(pad_positions: PadPositions) -> np.ndarray:
     """Return the surface's amplitude on a net over the pad, over hv: (positions, points)."""
-    x, y = (coordinate.ravel() for coordinate in net(pad_positions.pad_profile.pad))
+    x, y = (coordinate.ravel() for coordinate in net_points_on_pad(pad_positions.pad_profile.pad))
     return np.abs(pad_positions.amplitude(x, y))

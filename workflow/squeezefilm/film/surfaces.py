@@ -11,8 +11,8 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.polynomial.legendre import legvander
 
-from squeezefilm.film.positions import CARTESIAN, POLAR
-from squeezefilm.sections import SECTION_KEYS, Length
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS
+from squeezefilm.sections import SECTION_CONFIG, Length
 
 # Points of the nets on which a profile is looked at all over: along a radius, around; a side.
 NET_RADIUS_COUNT, NET_ANGLE_COUNT, NET_SIDE_COUNT = 41, 72, 53
@@ -25,7 +25,7 @@ EDGE_PHASE_RAD = pi / 3
 MODE_FAMILY_WAVE_RATIOS = (1.0, 0.25, 2.0, 4.0)
 
 # Two numbers of each smooth mode, by rising degree.
-Orders = tuple[tuple[int, int], ...]
+ModeOrders = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,16 @@ class Disc:
     """A disc; pads lie on it by their polar position, modes are Zernike's."""
 
     radius_m: float
-    position = POLAR
-    key = "actuator.surface_radius"
+    position_columns = POLAR_COLUMNS
+    config_key = "actuator.surface_radius"
+    line_scan_problem = (
+        "points along a radius, without angles, can only give an axisymmetric profile; say so by "
+        "actuator.profile.axisymmetric: true"
+    )
+    whole_of_part = (
+        "write the mirrored points too, or say actuator.profile.axisymmetric: true if the shape "
+        "depends on the radius only"
+    )
     wave_ratios = (1.0,)
 
     @property
@@ -47,7 +55,7 @@ class Disc:
         """Return the surface's shape with its size."""
         return f"disc of radius {self.radius_m * 1e3:.2f} mm"
 
-    def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    def relative_distance(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Relative distance of points from the centre: 0 at the centre, 1 on the edge."""
         return np.asarray(np.hypot(x_m, y_m) / self.radius_m)
 
@@ -59,7 +67,9 @@ class Disc:
         """A place in words."""
         return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
 
-    def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def net_points_and_weights(
+        self, *, finer: bool = False
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """x_m, y_m of points all over, edge included, and weights in proportion to areas."""
         radii, angles = (101, 192) if finer else (NET_RADIUS_COUNT, NET_ANGLE_COUNT)
         r_m = np.linspace(0, self.radius_m, radii)
@@ -68,7 +78,7 @@ class Disc:
 
     def orders_up_to(
         self, degree: int, *, degrees_more: int = 0, axisymmetric: bool, wave_ratio: float = 1.0
-    ) -> Orders:
+    ) -> ModeOrders:
         """Zernike's modes (n, m) of degree n ≤ ``degree`` and so many more.
 
         With m = 0 alone if ``axisymmetric``. n ≥ |m| and n − |m| is even. They span all
@@ -81,7 +91,7 @@ class Disc:
             if m == 0 or not axisymmetric
         )
 
-    def modes_at(self, orders: Orders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    def modes_at(self, orders: ModeOrders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Values of Zernike's modes at points, shape (*x_m.shape, modes).
 
         R_n^|m|(ρ) cos mφ for m ≥ 0 and R_n^|m|(ρ) sin |m|φ for m < 0 (Born and Wolf, 9.2), with
@@ -115,13 +125,18 @@ class Rectangle:
         length_y_m: its side along y
     """
 
-    __pydantic_config__ = SECTION_KEYS
+    __pydantic_config__ = SECTION_CONFIG
 
     shape: Literal["rectangle"] = field(default="rectangle", kw_only=True)
     length_x_m: Length
     length_y_m: Length
-    position: ClassVar = CARTESIAN
-    key: ClassVar = "actuator.surface"
+    position_columns: ClassVar = CARTESIAN_COLUMNS
+    config_key: ClassVar = "actuator.surface"
+    line_scan_problem: ClassVar = (
+        "points on a line do not determine the shape across it; scan more lines, or say "
+        "actuator.profile: {kind: standing-wave, wavelength: 24 mm}, or kind: formula"
+    )
+    whole_of_part: ClassVar = "write the mirrored points too"
     wave_ratios: ClassVar = MODE_FAMILY_WAVE_RATIOS
 
     @property
@@ -132,7 +147,7 @@ class Rectangle:
     def text(self) -> str:
         return f"{self.length_x_m * 1e3:.2f} × {self.length_y_m * 1e3:.2f} mm rectangle"
 
-    def reach(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    def relative_distance(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         half_x, half_y = self.half_extents_m
         return np.maximum(np.abs(x_m) / half_x, np.abs(y_m) / half_y)
 
@@ -143,7 +158,9 @@ class Rectangle:
     def position_text(self, x_m: float, y_m: float) -> str:
         return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
 
-    def net(self, *, finer: bool = False) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def net_points_and_weights(
+        self, *, finer: bool = False
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         side = np.linspace(-1, 1, 141 if finer else NET_SIDE_COUNT)
         cell_fraction = np.where(np.abs(side) < 1, 1.0, 0.5)
         x, y = np.meshgrid(side, side, indexing="ij")
@@ -160,7 +177,7 @@ class Rectangle:
         degrees_more: int = 0,
         axisymmetric: bool = False,
         wave_ratio: float = 1.0,
-    ) -> Orders:
+    ) -> ModeOrders:
         """Modes (i, j) within the ellipse of ``degree`` along one side and no more along the other.
 
         ``wave_ratio`` is that of the waves per metre (MODE_FAMILY_WAVE_RATIOS). Both half axes are
@@ -177,7 +194,7 @@ class Rectangle:
         order = np.argsort(sizes, kind="stable")
         return tuple(every[n] for n in order[: np.sum(sizes <= 1)])
 
-    def modes_at(self, orders: Orders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+    def modes_at(self, orders: ModeOrders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Values of P_i(ξ) P_j(η), shape (*x_m.shape, modes).
 
         P are Legendre's; ξ = sin(βx)/sin β and η alike, x over half the side and β EDGE_PHASE_RAD.

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.outline import POLAR_COORDINATES
+from squeezefilm.film.outline import DISC_COORDINATES
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.positions import CARTESIAN, POLAR, Positions
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS, Positions
 from squeezefilm.film.profiles import Profile, narrow_feature_points
 from squeezefilm.film.scene import PadPositions
 from squeezefilm.film.surfaces import Rectangle, Surface
@@ -30,7 +30,7 @@ SECTOR_WIDTHS_DEG = (45.0, 90.0, 180.0, 360.0)
 
 
 @dataclass(frozen=True)
-class Directions:
+class DirectionSector:
     """A sector of directions, in degrees, whose positions represent all positions.
 
     It begins at ``start_deg`` and is ``width_deg`` wide, one of SECTOR_WIDTHS_DEG. With ``mirror``
@@ -40,7 +40,7 @@ class Directions:
     start_deg: float
     width_deg: float
     mirror: bool
-    position = POLAR
+    position_columns = POLAR_COLUMNS
 
     @property
     def stop_deg(self) -> float:
@@ -54,7 +54,7 @@ class Directions:
         angle = angle % (2 * self.width_deg)
         return self.start_deg + np.minimum(angle, 2 * self.width_deg - angle)
 
-    def equivalent_deg(self, phi_deg: Iterable[float]) -> list[float]:
+    def equivalent_directions_deg(self, phi_deg: Iterable[float]) -> list[float]:
         """The directions that some stand for by a square's symmetry, as far as they differ here.
 
         Mirrored at the sector's start and every 45° on, folded into the sector, each once and in
@@ -81,7 +81,7 @@ class Directions:
 
     def pad_positions(self, positions: Positions) -> list[tuple[float, float]]:
         """The centre, then every radius with every angle and its images (Fig. 15)."""
-        angles = self.equivalent_deg(positions.phi_deg)
+        angles = self.equivalent_directions_deg(positions.phi_deg)
         return [(0.0, 0.0), *((r, angle) for r in positions.phi_r_m for angle in angles)]
 
     @property
@@ -99,12 +99,12 @@ class Directions:
 
 
 @dataclass(frozen=True)
-class Mirrors:
+class MirrorAxes:
     """Axes of a rectangle that may be mirrored: the force at −x (or −y) is that at x."""
 
     x: bool
     y: bool
-    position = CARTESIAN
+    position_columns = CARTESIAN_COLUMNS
 
     @property
     def text(self) -> str:
@@ -137,17 +137,17 @@ class Mirrors:
         return {"mirror_x": self.x, "mirror_y": self.y}
 
 
-Symmetry = Directions | Mirrors
+Symmetry = DirectionSector | MirrorAxes
 
 
 def symmetry_from_dict(plain: Any, *, source: str) -> Symmetry:
     """Return the symmetry that to_dict wrote; raises InputError for anything else."""
     match plain:
         case {"mirror_x": bool(x), "mirror_y": bool(y)}:
-            return Mirrors(x, y)
+            return MirrorAxes(x, y)
         case {"start_deg": float(start) | int(start), "width_deg": width, "mirror": bool(mirror)}:
             if isfinite(start) and width in SECTOR_WIDTHS_DEG:
-                return Directions(float(start), float(width), mirror)
+                return DirectionSector(float(start), float(width), mirror)
     raise InputError(f"{source}: must have start_deg, width_deg and mirror, as `fit` writes")
 
 
@@ -155,7 +155,7 @@ SYMMETRY_TOLERANCE = 1e-9
 """Values that agree to this, of a maximum of 1, are equal."""
 ROUNDING_TOLERANCE = 1e-13
 """Values of a profile that should agree by symmetry agree to rounding, relative to its largest."""
-FIRST_CHECK_POINTS, ALL_CHECK_POINTS = 16, 1000
+FIRST_CHECK_POINT_COUNT, CHECK_POINT_COUNT = 16, 1000
 """Points at which a profile is compared: those that most others fail, then all."""
 POSITIONS_CHECKED_TOGETHER = 64
 """Positions that are compared together at many points."""
@@ -164,8 +164,8 @@ POSITIONS_CHECKED_TOGETHER = 64
 def no_symmetry(surface: Surface) -> Symmetry:
     """Symmetry of a film whose positions stand for no others."""
     if isinstance(surface, Rectangle):
-        return Mirrors(x=False, y=False)
-    return Directions(0.0, 360.0, mirror=False)
+        return MirrorAxes(x=False, y=False)
+    return DirectionSector(0.0, 360.0, mirror=False)
 
 
 @lru_cache(maxsize=16)
@@ -176,10 +176,10 @@ def symmetry(pad: Pad, profile: Profile, *, surface: Surface) -> Symmetry:
     x, y = (
         _is_unchanged_by_turn(turn, pad, profile, surface, mirror=True) for turn in (180.0, 0.0)
     )
-    return Mirrors(x, y)
+    return MirrorAxes(x, y)
 
 
-def _smallest_direction_sector(pad: Pad, profile: Profile, surface: Surface) -> Directions:
+def _smallest_direction_sector(pad: Pad, profile: Profile, surface: Surface) -> DirectionSector:
     """The smallest sector found among subgroups of a square's symmetries.
 
     A mirror or a turn of the pad's centre about the disc's leaves the force as it is where it
@@ -190,19 +190,19 @@ def _smallest_direction_sector(pad: Pad, profile: Profile, surface: Surface) -> 
     never too small.
     """
     sectors, film = [], (pad, profile, surface)
-    for base_deg in _symmetry_axes_deg(pad, profile):
+    for base_deg in _candidate_symmetry_axes_deg(pad, profile):
         axes = [base_deg + step for step in (0, 45, 90, 135)]
         mirrors = [axis for axis in axes if _is_unchanged_by_turn(2 * axis, *film, mirror=True)]
         if mirrors:
             width = 180.0 / len(mirrors)
-            sectors.append(Directions(min(mirrors) % width, width, mirror=True))
+            sectors.append(DirectionSector(min(mirrors) % width, width, mirror=True))
             continue
         turns = [turn for turn in (90.0, 180.0) if _is_unchanged_by_turn(turn, *film)]
-        sectors.append(Directions(0.0, min(turns, default=360.0), mirror=False))
+        sectors.append(DirectionSector(0.0, min(turns, default=360.0), mirror=False))
     return min(sectors, key=lambda sector: sector.width_deg)
 
 
-def _symmetry_axes_deg(pad: Pad, profile: Profile) -> Iterator[float]:
+def _candidate_symmetry_axes_deg(pad: Pad, profile: Profile) -> Iterator[float]:
     """Directions at which an axis of the scene may lie: the pad's; a circle's follow the rest."""
     yield pad.rotation_deg
     if pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m:
@@ -239,7 +239,7 @@ def _is_unchanged_by_turn(
     # Over half the surface: no two places are related by symmetry.
     x, y = np.random.default_rng(1).uniform(-1, 1, (2, 5000))
     x_m, y_m = half_x_m * x, half_y_m * y
-    on_surface = surface.reach(x_m, y_m) <= 1
+    on_surface = surface.relative_distance(x_m, y_m) <= 1
     x_m, y_m = x_m[on_surface], y_m[on_surface]
     there = turned_point(x_m + 1j * y_m, turn_deg)
     s = profile.amplitude(x_m=x_m, y_m=y_m)
@@ -249,27 +249,27 @@ def _is_unchanged_by_turn(
     return bool(np.abs(s_there - sign * s).max() <= SYMMETRY_TOLERANCE)
 
 
-def axisymmetric(pad_positions: PadPositions) -> np.ndarray:
+def axisymmetric_mask(pad_positions: PadPositions) -> np.ndarray:
     """Return at which positions a film has no angle, so that it is solved along a radius, (n,).
 
     It is that of a disc at rest, the gap flat or crowned, where the profile is the same all around
     each circle about the disc's centre.
     """
-    return pad_positions.cached(_axisymmetric)
+    return pad_positions.compute_cached(_find_axisymmetric_mask)
 
 
-def _axisymmetric(places: PadPositions) -> np.ndarray:
+def _find_axisymmetric_mask(places: PadPositions) -> np.ndarray:
     pad, same = places.pad_profile.pad, np.zeros(len(places.x_m), dtype=bool)
     disc = pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m
     if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:
         return same
     draw = np.random.default_rng(1)
-    radius = draw.uniform(0, 0.5, ALL_CHECK_POINTS)
-    angle, other = draw.uniform(0, 2 * np.pi, (2, ALL_CHECK_POINTS))
-    few = (values[:FIRST_CHECK_POINTS] for values in (radius, angle, other))
-    rows = np.flatnonzero(_equal_on_circles(places, *few))
+    radius = draw.uniform(0, 0.5, CHECK_POINT_COUNT)
+    angle, other = draw.uniform(0, 2 * np.pi, (2, CHECK_POINT_COUNT))
+    few = (values[:FIRST_CHECK_POINT_COUNT] for values in (radius, angle, other))
+    rows = np.flatnonzero(_equal_on_circles_mask(places, *few))
     for some in np.array_split(rows, 1 + len(rows) // POSITIONS_CHECKED_TOGETHER):
-        same[some] = _equal_on_circles(places.subset(some), radius, angle, other)
+        same[some] = _equal_on_circles_mask(places.subset(some), radius, angle, other)
     x_m, y_m = narrow_feature_points(places.pad_profile.profile)
     for row in np.flatnonzero(same).tolist() if len(x_m) else ():
         from_centre = x_m - places.x_m[row] + 1j * (y_m - places.y_m[row])
@@ -277,16 +277,16 @@ def _axisymmetric(places: PadPositions) -> np.ndarray:
         inside = radius < 0.5
         at = radius[inside], angle[inside] - radians(pad.rotation_deg), other[: inside.sum()]
         same[row] = (
-            not inside.any() or _equal_on_circles(places.subset(slice(row, row + 1)), *at)[0]
+            not inside.any() or _equal_on_circles_mask(places.subset(slice(row, row + 1)), *at)[0]
         )
     return same
 
 
-def _equal_on_circles(
+def _equal_on_circles_mask(
     pad_positions: PadPositions, radius: np.ndarray, angle: np.ndarray, other: np.ndarray
 ) -> np.ndarray:
     """Return where a profile has the same values on circles at one angle and another, (n,)."""
-    at = POLAR_COORDINATES.positions
+    at = DISC_COORDINATES.positions
     with np.errstate(all="ignore"):  # of a profile that has no finite value somewhere
         one, two = (pad_positions.amplitude(*at(0.5 + radius, each)) for each in (angle, other))
         return np.asarray(abs(two - one).max(axis=1) <= ROUNDING_TOLERANCE * abs(one).max(axis=1))

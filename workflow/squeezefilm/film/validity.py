@@ -17,11 +17,16 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import MAX_ROWS_NAMED, InputError, raise_first_problem, reject_rows
+from squeezefilm.errors import (
+    MAX_ROWS_IN_MESSAGE,
+    InputError,
+    raise_first_problem,
+    raise_row_problems,
+)
 from squeezefilm.film.scene import Scene, Scenes
 
 OK = "ok"
-ERROR_UNVERIFIED, EQUATION_NOT_APPLICABLE = (
+ERROR_UNVERIFIED_TEXT, NOT_APPLICABLE_TEXT = (
     "modelling error unverified",
     "the equation does not apply",
 )
@@ -43,24 +48,24 @@ def _ratio_to_gap(value: Any, gap: np.ndarray) -> np.ndarray:
 def _couette_reynolds(scenes: Scenes) -> Any:
     """ρ |U| h / μ of the widest gap at rest."""
     per_length = scenes.shear_reynolds * scenes.pad.length_x_m / scenes.h0_m
-    return per_length * scenes.static_gap_range[1]
+    return per_length * scenes.static_gap_ratio_range[1]
 
 
 # The list's quantities by their symbols: Kn where the gap at rest is narrowest, Re, Re_s and ρUh/μ
 # where widest.
-SYMBOL_VALUES: dict[str, Callable[[Scenes], Any]] = {
+SYMBOL_FUNCTIONS: dict[str, Callable[[Scenes], Any]] = {
     "h0/l": lambda s: s.h0_m / np.minimum(s.pad.length_x_m, s.pad.length_y_m),
-    "Kn": lambda s: _ratio_to_gap(s.knudsen, s.static_gap_range[0]),
-    "Re": lambda s: s.modified_reynolds * s.static_gap_range[1] ** 2,
+    "Kn": lambda s: _ratio_to_gap(s.knudsen, s.static_gap_ratio_range[0]),
+    "Re": lambda s: s.modified_reynolds * s.static_gap_ratio_range[1] ** 2,
     "h0/λ": lambda s: s.h0_m * s.actuator.frequency_hz / _sound_speed(s),
     "Ma": lambda s: np.full(len(s), np.abs(s.pad.speed_x_m_per_s) / _sound_speed(s)),
-    "Re_s": lambda s: s.shear_reynolds * s.static_gap_range[1] ** 2,
+    "Re_s": lambda s: s.shear_reynolds * s.static_gap_ratio_range[1] ** 2,
     "ρUh/μ": _couette_reynolds,
     "hv/h0": lambda s: s.closure,
-    "Ra/h": lambda s: _ratio_to_gap(LAPPED_ROUGHNESS_M, s.narrowest * s.h0_m),
+    "Ra/h": lambda s: _ratio_to_gap(LAPPED_ROUGHNESS_M, s.narrowest_gap_ratio * s.h0_m),
 }
 # The list's kinds of films; ``auto`` terms are decided before (quantities/model_error.py).
-KINDS_OF_FILMS: dict[str, Callable[[Scenes], Any]] = {
+FILM_KIND_CONDITIONS: dict[str, Callable[[Scenes], Any]] = {
     "all": lambda s: True,
     "viscous flow": lambda s: s.gas.rarefaction == "none",
     "first-order slip": lambda s: s.gas.rarefaction == "slip",
@@ -75,44 +80,48 @@ KINDS_OF_FILMS: dict[str, Callable[[Scenes], Any]] = {
 
 
 @dataclass(frozen=True)
-class Limit:
+class ValidityLimit:
     """A quantity of a scene and the values up to which the film equation is known to hold.
 
     Attributes:
-        quantity, symbol: in words and as in formulas; SYMBOL_VALUES has its value.
-        films: which the limit is for, of KINDS_OF_FILMS.
-        unknown_above: value above which the modelling error of a force is unverified.
-        not_above: value above which the equation does not apply.
+        quantity, symbol: in words and as in formulas; SYMBOL_FUNCTIONS has its value.
+        films: which the limit is for, of FILM_KIND_CONDITIONS.
+        unverified_above: value above which the modelling error of a force is unverified.
+        not_applicable_above: value above which the equation does not apply.
         source: reason for the values, and where they are from.
     """
 
     quantity: str
     symbol: str
     films: str
-    unknown_above: float
-    not_above: float
+    unverified_above: float
+    not_applicable_above: float
     source: str
 
     @cached_property
     def bound(self) -> float:
         """The value up to which nothing is exceeded."""
-        return min(self.not_above, self.unknown_above)
+        return min(self.not_applicable_above, self.unverified_above)
 
     def text(self, value: float) -> str:
         """Return by what a value exceeds the limit, and what that means."""
-        never = not value <= self.not_above
-        bound = self.not_above if never else self.unknown_above
+        never = not value <= self.not_applicable_above
+        bound = self.not_applicable_above if never else self.unverified_above
         kind = "" if self.films == "all" else f" ({self.films})"
         number = f"{value:.3g}" if isfinite(value) else "infinite (the gap closes)"
         named = f"{self.quantity} {self.symbol} = {number}"
         above = f"{float(f'{bound:.2g}'):g}{kind}"
-        return f"{named} is above {above}: {EQUATION_NOT_APPLICABLE if never else ERROR_UNVERIFIED}"
+        return (
+            f"{named} is above {above}: {NOT_APPLICABLE_TEXT if never else ERROR_UNVERIFIED_TEXT}"
+        )
 
 
-def _read_limits(path: Path) -> tuple[Limit, ...]:
+def _read_limits(path: Path) -> tuple[ValidityLimit, ...]:
     with path.open(encoding="utf-8", newline="") as file:
         return tuple(
-            Limit(quantity, symbol, films, float(unknown or inf), float(never or inf), source)
+            ValidityLimit(
+                quantity, symbol, films, float(unknown or inf), float(never or inf), source
+            )
             for quantity, symbol, films, unknown, never, source in list(csv.reader(file))[1:]
         )
 
@@ -120,7 +129,9 @@ def _read_limits(path: Path) -> tuple[Limit, ...]:
 VALIDITY_LIMITS = _read_limits(Path(__file__).with_name("validity.csv"))
 
 
-def exceeded_limits(scene: Scene, symbols: Iterable[str] = SYMBOL_VALUES) -> tuple[str, ...]:
+def exceeded_limit_texts(
+    scene: Scene, symbols: Iterable[str] = SYMBOL_FUNCTIONS
+) -> tuple[str, ...]:
     """Return each limit of some quantities that a scene exceeds, in words.
 
     Quantity, value, bound, consequence.
@@ -128,12 +139,12 @@ def exceeded_limits(scene: Scene, symbols: Iterable[str] = SYMBOL_VALUES) -> tup
     return tuple(_exceeded_limits_by_scene(Scenes.of([scene]), symbols)[0])
 
 
-def validity(scene: Scene) -> str:
+def validity_text(scene: Scene) -> str:
     """Return ``ok``, or the limits of validity that a scene exceeds, joined by ``; ``."""
-    return "; ".join(exceeded_limits(scene)) or OK
+    return "; ".join(exceeded_limit_texts(scene)) or OK
 
 
-def validities(scenes: Scenes) -> np.ndarray:
+def validity_texts(scenes: Scenes) -> np.ndarray:
     """Return the same for each of some scenes."""
     return np.array(
         ["; ".join(exceeded) or OK for exceeded in _exceeded_limits_by_scene(scenes)], dtype=object
@@ -141,18 +152,18 @@ def validities(scenes: Scenes) -> np.ndarray:
 
 
 def _exceeded_limits_by_scene(
-    scenes: Scenes, symbols: Iterable[str] = SYMBOL_VALUES
+    scenes: Scenes, symbols: Iterable[str] = SYMBOL_FUNCTIONS
 ) -> list[list[str]]:
     """Return what each scene exceeds, in the list's order."""
     texts: list[list[str]] = [[] for _ in range(len(scenes))]
     limits = [limit for limit in VALIDITY_LIMITS if limit.symbol in symbols]
-    values = {symbol: SYMBOL_VALUES[symbol](scenes) for symbol in symbols}
+    values = {symbol: SYMBOL_FUNCTIONS[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
     bounds = [[limit.bound] for limit in limits]
     beyond = ~(np.array([values[limit.symbol] for limit in limits]) <= bounds)
     for at in np.flatnonzero(beyond.any(axis=1)).tolist():
         limit = limits[at]
-        for row in np.flatnonzero(beyond[at] & KINDS_OF_FILMS[limit.films](scenes)).tolist():
+        for row in np.flatnonzero(beyond[at] & FILM_KIND_CONDITIONS[limit.films](scenes)).tolist():
             texts[row].append(limit.text(float(values[limit.symbol][row])))
     return texts
 
@@ -164,29 +175,29 @@ ACTUATOR_EDGE_TOLERANCE = 1e-9
 def check_scenes(scenes: Scenes) -> None:
     """Reject scenes as ``check_scene`` does, all of them that have no solution in one message."""
     place = "operating point" if scenes.point_id.tolist() == ["1"] else None
-    invalid = np.flatnonzero(~solvable_scenes(scenes)).tolist()
+    invalid = np.flatnonzero(~solvable_scene_mask(scenes)).tolist()
     problems = []
-    for row in invalid[:MAX_ROWS_NAMED]:
+    for row in invalid[:MAX_ROWS_IN_MESSAGE]:
         try:
             check_scene(scenes[row], place=place)
         except InputError as error:
             problems.append(str(error))
-    reject_rows(problems, count=len(invalid))
+    raise_row_problems(problems, count=len(invalid))
 
 
-def solvable_scenes(scenes: Scenes) -> np.ndarray:
+def solvable_scene_mask(scenes: Scenes) -> np.ndarray:
     """Return which scenes have a solution and lie on the actuator, shape (n,)."""
     h0_m, hv_m = scenes.h0_m, scenes.hv_m
     sound = (GAP_RANGE_M[0] <= h0_m) & (h0_m <= GAP_RANGE_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
     for film, rows, scenes_of_film in scenes.split_by_film():
-        outline = film.pad.edge_m()
+        outline = film.pad.edge_points_m()
         x_m, y_m = (
             np.add.outer(at, outline[:, k])
             for k, at in enumerate((scenes_of_film.x_m, scenes_of_film.y_m))
         )
-        sound[rows] &= (film.actuator.surface.reach(x_m, y_m) <= 1 + ACTUATOR_EDGE_TOLERANCE).all(
-            axis=1
-        )
+        sound[rows] &= (
+            film.actuator.surface.relative_distance(x_m, y_m) <= 1 + ACTUATOR_EDGE_TOLERANCE
+        ).all(axis=1)
     sound[sound] = (scenes if sound.all() else scenes[sound]).closure < 1
     return sound
 
@@ -213,8 +224,11 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
             "the amplitude must stay below the mean gap": hv_m >= h0_m,
         },
     )
-    surface, outline_m = scene.actuator.surface, np.add(scene.pad.edge_m(), (scene.x_m, scene.y_m))
-    reach = surface.reach(*outline_m.T)
+    surface, outline_m = (
+        scene.actuator.surface,
+        np.add(scene.pad.edge_points_m(), (scene.x_m, scene.y_m)),
+    )
+    reach = surface.relative_distance(*outline_m.T)
     part = "a corner" if scene.pad.shape == "rectangle" else "the edge"
     centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
     off = (

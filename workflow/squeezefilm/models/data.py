@@ -10,13 +10,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import CARTESIAN, POLAR, cartesian, columns_in_form, polar
+from squeezefilm.film.positions import (
+    CARTESIAN_COLUMNS,
+    POLAR_COLUMNS,
+    cartesian_from_polar,
+    columns_in_table_form,
+    polar_from_cartesian,
+)
 from squeezefilm.lazy import pd
-from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, read_columns
+from squeezefilm.tables import ASYMPTOTIC_FORCE_COLUMNS, FACTOR_COLUMNS, read_columns
 
 Array = NDArray[np.float64]
 
-FACTOR_OF_NAME = {
+FACTOR_COLUMN_OF_NAME = {
     "h0": "h0_m",
     "hv": "hv_m",
     "r": "phi_r_m",
@@ -26,9 +32,9 @@ FACTOR_OF_NAME = {
     "y": "y_m",
 }
 """What an expression calls the factors, and their columns."""
-PHYSICS_COLUMNS = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
+PHYSICS_COLUMN_OF_NAME = {"limit": "limit_n", "fast_limit": "fast_limit_n", "sigma": "sigma"}
 """What an expression calls the results of physics that stand in a table, and their columns."""
-POSITION_COLUMNS = (*POLAR, *CARTESIAN)
+POSITION_COLUMNS = (*POLAR_COLUMNS, *CARTESIAN_COLUMNS)
 RANGE_TOLERANCE = 1e-9
 """Relative slack at the limits of a range, for round-off."""
 
@@ -44,7 +50,7 @@ class Factors:
     """
 
     columns: Mapping[str, Array]
-    position: tuple[str, str] = POLAR
+    position_columns: tuple[str, str] = POLAR_COLUMNS
 
     @classmethod
     def of(cls, *, h0_m: ArrayLike, hv_m: ArrayLike, **others: ArrayLike) -> Factors:
@@ -54,8 +60,8 @@ class Factors:
         Raises InputError where a value is not finite, a gap is not positive, the lengths differ or
         both forms are given.
         """
-        form = CARTESIAN if others.keys() & CARTESIAN else POLAR
-        if form == CARTESIAN and others.keys() & POLAR:
+        form = CARTESIAN_COLUMNS if others.keys() & CARTESIAN_COLUMNS else POLAR_COLUMNS
+        if form == CARTESIAN_COLUMNS and others.keys() & POLAR_COLUMNS:
             raise InputError("x_m: give the position as phi_r_m, phi_deg or as x_m, y_m, not both")
         given = {"h0_m": h0_m, "hv_m": hv_m, **dict.fromkeys(form, 0.0), **others}
         named = {
@@ -72,10 +78,10 @@ class Factors:
         except ValueError:
             lengths = ", ".join(f"{name} {column.size}" for name, column in named.items())
             raise InputError(f"factors of different lengths ({lengths}); give one length") from None
-        if form == CARTESIAN:
-            named |= polar(named["x_m"], named["y_m"])
+        if form == CARTESIAN_COLUMNS:
+            named |= polar_from_cartesian(named["x_m"], named["y_m"])
         else:
-            named |= cartesian(named["phi_r_m"], named["phi_deg"])
+            named |= cartesian_from_polar(named["phi_r_m"], named["phi_deg"])
         named["phi_rad"] = np.radians(named["phi_deg"])
         named["epsilon"] = named["hv_m"] / named["h0_m"]
         return cls(named, form)
@@ -97,7 +103,9 @@ class Factors:
     def take(self, which: ArrayLike) -> Factors:
         """Some of the points, by a mask or by indices."""
         index = np.asarray(which)
-        return Factors({name: each[index] for name, each in self.columns.items()}, self.position)
+        return Factors(
+            {name: each[index] for name, each in self.columns.items()}, self.position_columns
+        )
 
     def outside(self, ranges: Mapping[str, tuple[float, float]]) -> dict[str, NDArray[np.bool_]]:
         """Return masks of the points beyond the range of each factor, shape (n,).
@@ -116,7 +124,7 @@ class Factors:
         return len(self.h0_m)
 
 
-def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Factors:
+def factors_of_table(points: pd.DataFrame, *, limits: Path | str | None = None) -> Factors:
     """The factors of a table's rows, with the results of physics that it has.
 
     ``limits`` is a table of the asymptotic forces of the same scenes.
@@ -124,15 +132,15 @@ def factors_of(points: pd.DataFrame, *, limits: Path | str | None = None) -> Fac
     same scenes in the same order.
     """
     if limits is not None:
-        known = read_columns(limits, columns=LIMIT_COLUMNS)
-        for name in columns_in_form(FACTOR_COLUMNS, points):
+        known = read_columns(limits, columns=ASYMPTOTIC_FORCE_COLUMNS)
+        for name in columns_in_table_form(FACTOR_COLUMNS, points):
             if len(known) != len(points) or not np.array_equal(known[name], points[name]):
                 raise InputError(
                     f"{limits}: {name}: not the scenes of the table of forces; make it from the "
                     "same table of scenes"
                 )
         points = known
-    names = [*columns_in_form(FACTOR_COLUMNS, points), *PHYSICS_COLUMNS.values()]
+    names = [*columns_in_table_form(FACTOR_COLUMNS, points), *PHYSICS_COLUMN_OF_NAME.values()]
     given = {name: pd.to_numeric(points[name], "coerce") for name in names if name in points}
     for name, numbers in given.items():
         if (numbers.isna() & points[name].notna()).any():

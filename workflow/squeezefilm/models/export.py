@@ -13,12 +13,12 @@ from string import Template
 
 from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import CARTESIAN, POLAR, position_form
-from squeezefilm.film.symmetry import Mirrors
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS, find_position_columns
+from squeezefilm.film.symmetry import MirrorAxes
 from squeezefilm.formulas import Expression, Operation, fold_formula
 from squeezefilm.models.data import (
-    FACTOR_OF_NAME,
-    PHYSICS_COLUMNS,
+    FACTOR_COLUMN_OF_NAME,
+    PHYSICS_COLUMN_OF_NAME,
     POSITION_COLUMNS,
     RANGE_TOLERANCE,
 )
@@ -28,16 +28,16 @@ from squeezefilm.models.limit_table import LimitTable
 
 TEMPLATES_FOLDER = Path(__file__).with_name("templates")
 CODE_LINE_WIDTH, MAX_FINITE_LIMIT = 92, 1e300
-RADIANS_PER_DEGREE = "0.017453292519943295"
-OTHER_POSITION_FORM = {
-    POLAR: {
-        "phi_rad": f"(phi_deg * {RADIANS_PER_DEGREE})",
-        "x_m": f"(phi_r_m * cos(phi_deg * {RADIANS_PER_DEGREE}))",
-        "y_m": f"(phi_r_m * sin(phi_deg * {RADIANS_PER_DEGREE}))",
+RADIANS_PER_DEGREE_LITERAL = "0.017453292519943295"
+OTHER_POSITION_EXPRESSIONS = {
+    POLAR_COLUMNS: {
+        "phi_rad": f"(phi_deg * {RADIANS_PER_DEGREE_LITERAL})",
+        "x_m": f"(phi_r_m * cos(phi_deg * {RADIANS_PER_DEGREE_LITERAL}))",
+        "y_m": f"(phi_r_m * sin(phi_deg * {RADIANS_PER_DEGREE_LITERAL}))",
     },
-    CARTESIAN: {
+    CARTESIAN_COLUMNS: {
         "phi_r_m": "hypot(x_m, y_m)",
-        "phi_deg": f"(atan2(y_m, x_m) / {RADIANS_PER_DEGREE})",
+        "phi_deg": f"(atan2(y_m, x_m) / {RADIANS_PER_DEGREE_LITERAL})",
     },
 }
 """The position by a function's arguments where they have it in the other form."""
@@ -46,9 +46,9 @@ NAN_OF_LANGUAGE = {"c": "NAN", "javascript": "NaN", "matlab": "NaN", "python": "
 STATEMENT_END = {"c": ";\n    ", "javascript": ";\n  ", "matlab": ";\n", "python": "\n    "}
 VARIABLE_DECLARATION = {"c": "const double ", "javascript": "const "}
 """How a statement ends, with the next line's indentation, and how a name of its own begins."""
-OWN_NAME_PREFIX = {"c": "{name}_", "matlab": "own_"}
+PRIVATE_NAME_PREFIX = {"c": "{name}_", "matlab": "own_"}
 """How names begin that only the code itself uses, if not with _."""
-REAL_ONLY_FUNCTIONS = {"matlab": ("sqrt", "log")}
+FUNCTIONS_WITH_REAL_WRAPPER = {"matlab": ("sqrt", "log")}
 """Functions that are complex where they have no real value: the code has its own."""
 
 
@@ -75,9 +75,9 @@ def source_code(fit: FittedModel, language: str, *, name: str = "") -> str:
         raise InputError(
             f"language {language!r}: unknown; allowed are {', '.join(NAN_OF_LANGUAGE)}"
         )
-    model, interval, table = fit.force_model, fit.interval, fit.required_limit_table
+    model, interval, table = fit.force_model, fit.prediction_interval, fit.required_limit_table
     arguments, nan = model.factor_names, NAN_OF_LANGUAGE[language]
-    own = OWN_NAME_PREFIX.get(language, "_").format(name=fit.model)
+    own = PRIVATE_NAME_PREFIX.get(language, "_").format(name=fit.model)
     names = _names_in_code(model, table, own)
     if language == "matlab":  # it counts from 1
         for index, parameter in enumerate(model.parameter_names, start=1):
@@ -107,7 +107,7 @@ def source_code(fit: FittedModel, language: str, *, name: str = "") -> str:
         "error_constant": constant,
         "error_share": relative,
         "formula": _bracketed_formula(
-            model.parsed, names, own, REAL_ONLY_FUNCTIONS.get(language, ())
+            model.parsed_expression, names, own, FUNCTIONS_WITH_REAL_WRAPPER.get(language, ())
         ),
     }
     text = (TEMPLATES_FOLDER / f"{language}.in").read_text(encoding="utf-8")
@@ -137,28 +137,32 @@ def source_code(fit: FittedModel, language: str, *, name: str = "") -> str:
 
 def _factor_expressions(model: ExpressionModel) -> dict[str, str]:
     """Expressions of all factors in a function's arguments, by their columns."""
-    form = POLAR if set(POLAR) <= set(model.factor_names) else CARTESIAN
+    form = POLAR_COLUMNS if set(POLAR_COLUMNS) <= set(model.factor_names) else CARTESIAN_COLUMNS
     return {
-        column: OTHER_POSITION_FORM[form].get(column, column) for column in FACTOR_OF_NAME.values()
+        column: OTHER_POSITION_EXPRESSIONS[form].get(column, column)
+        for column in FACTOR_COLUMN_OF_NAME.values()
     }
 
 
 def _position_folding_code(fit: FittedModel, language: str) -> list[str]:
     """Statements that bring a function's position to the one that stands for it."""
     symmetry, arguments = fit.symmetry, fit.force_model.factor_names
-    polar, cartesian = (set(form) <= set(arguments) for form in (POLAR, CARTESIAN))
+    polar, cartesian = (set(form) <= set(arguments) for form in (POLAR_COLUMNS, CARTESIAN_COLUMNS))
     if symmetry is None or not (polar or cartesian):
         return []
-    other = OTHER_POSITION_FORM[POLAR if polar else CARTESIAN]
-    r, phi = (other.get(name, name) for name in POLAR)
-    if isinstance(symmetry, Mirrors):
+    other = OTHER_POSITION_EXPRESSIONS[POLAR_COLUMNS if polar else CARTESIAN_COLUMNS]
+    r, phi = (other.get(name, name) for name in POLAR_COLUMNS)
+    if isinstance(symmetry, MirrorAxes):
         mirrored = {
-            name for name, on in zip(CARTESIAN, (symmetry.x, symmetry.y), strict=True) if on
+            name for name, on in zip(CARTESIAN_COLUMNS, (symmetry.x, symmetry.y), strict=True) if on
         }
         if cartesian:
-            return [f"{name} = fabs({name})" for name in CARTESIAN if name in mirrored]
-        x, y = (f"fabs({other[name]})" if name in mirrored else other[name] for name in CARTESIAN)
-        return [f"phi_deg = (atan2({y}, {x}) / {RADIANS_PER_DEGREE})"]
+            return [f"{name} = fabs({name})" for name in CARTESIAN_COLUMNS if name in mirrored]
+        x, y = (
+            f"fabs({other[name]})" if name in mirrored else other[name]
+            for name in CARTESIAN_COLUMNS
+        )
+        return [f"phi_deg = (atan2({y}, {x}) / {RADIANS_PER_DEGREE_LITERAL})"]
     start, width = _number_literal(symmetry.start_deg), _number_literal(symmetry.width_deg)
     period = _number_literal(symmetry.width_deg * (2 if symmetry.mirror else 1))
     angle = f"({phi} - {start})"
@@ -170,7 +174,7 @@ def _position_folding_code(fit: FittedModel, language: str) -> list[str]:
     declared = VARIABLE_DECLARATION.get(language, "")
     return [
         f"{declared}folded_r_m = {r}",
-        f"{declared}folded_rad = ({start} + {folded}) * {RADIANS_PER_DEGREE}",
+        f"{declared}folded_rad = ({start} + {folded}) * {RADIANS_PER_DEGREE_LITERAL}",
         "x_m = folded_r_m * cos(folded_rad)",
         "y_m = folded_r_m * sin(folded_rad)",
     ]
@@ -197,11 +201,11 @@ def _factor_expressions_of_space(
 def _names_in_code(model: ExpressionModel, table: LimitTable | None, own: str) -> dict[str, str]:
     """Names in the code for the names of the formula."""
     factors = _factor_expressions(model)
-    names = {name: factors[column] for name, column in FACTOR_OF_NAME.items()}
+    names = {name: factors[column] for name, column in FACTOR_COLUMN_OF_NAME.items()}
     names |= {name: f"theta[{index}]" for index, name in enumerate(model.parameter_names)}
     if table is not None:
-        position = ", ".join(factors[axis] for axis in position_form(table.ranges))
-        for name, column in PHYSICS_COLUMNS.items():
+        position = ", ".join(factors[axis] for axis in find_position_columns(table.ranges))
+        for name, column in PHYSICS_COLUMN_OF_NAME.items():
             names[name] = f"{own}tabulated({own}{column}, h0_m, hv_m, {position})"
         names["sigma"] = f"({_number_literal(table.sigma_h0_square_m2)} / (h0_m * h0_m))"
     return names

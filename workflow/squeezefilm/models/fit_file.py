@@ -27,20 +27,20 @@ from pydantic import (
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.pad import GapShape, Pad
-from squeezefilm.film.positions import POLAR
+from squeezefilm.film.positions import POLAR_COLUMNS
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Film, Gas
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
-from squeezefilm.film.validity import validities
-from squeezefilm.models.data import PHYSICS_COLUMNS, Array, Factors
+from squeezefilm.film.validity import validity_texts
+from squeezefilm.models.data import PHYSICS_COLUMN_OF_NAME, Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
 from squeezefilm.tables import read_json
 
-FILM_UNKNOWN = "not known: the fit's file does not describe its film"
-NO_VALIDATION_SAMPLE = "the fit has no validation sample (`squeezefilm fit --sample`)"
-FIT_FILE_FORMAT = 1
+FILM_UNKNOWN_TEXT = "not known: the fit's file does not describe its film"
+NO_VALIDATION_SAMPLE_TEXT = "the fit has no validation sample (`squeezefilm fit --sample`)"
+FIT_FILE_FORMAT_VERSION = 1
 """Of the file: counted up where a reader of the one before could not use it."""
 REQUIRED_KEYS = (
     "parameter_units",
@@ -74,7 +74,7 @@ class FilmOfFit(BaseModel):
 
     @field_validator("gas", mode="before")
     @classmethod
-    def _whole_gas(cls, values: Any) -> Any:
+    def _require_complete_gas(cls, values: Any) -> Any:
         names = [attribute.name for attribute in fields(Gas)] if isinstance(values, Mapping) else []
         if missing := [name for name in names if name not in values]:
             raise ValueError(f"{', '.join(missing)}: not there")
@@ -94,7 +94,7 @@ class FittedModel(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="allow", populate_by_name=True)
 
-    format: StrictInt = FIT_FILE_FORMAT
+    format: StrictInt = FIT_FILE_FORMAT_VERSION
     model: str
     theta: tuple[StrictFloat, ...]
     points: StrictInt
@@ -108,7 +108,7 @@ class FittedModel(BaseModel):
     parameter_notes: list[str] = []
     ranges: dict[str, tuple[StrictFloat, StrictFloat]] = {}
     cross_validation: dict[str, StrictInt | StrictFloat] | None = None
-    interval: PredictionInterval | None = Field(None, alias="validation")
+    prediction_interval: PredictionInterval | None = Field(None, alias="validation")
     error_scale: tuple[float, float] = (0.0, 1.0)
     profile_uncertainty: float = 0.0
     limit_table: LimitTable | None = None
@@ -152,9 +152,9 @@ class FittedModel(BaseModel):
         return symmetry_from_dict(self.directions, source=f"{self.file}: directions")
 
     @property
-    def position(self) -> tuple[str, str]:
+    def position_columns(self) -> tuple[str, str]:
         """The form of positions in the model's study; polar, if the file has none."""
-        return POLAR if self.symmetry is None else self.symmetry.position
+        return POLAR_COLUMNS if self.symmetry is None else self.symmetry.position_columns
 
     def folded(self, factors: Factors) -> Factors:
         """The factors of the same forces with the pad in positions that the model knows.
@@ -163,8 +163,8 @@ class FittedModel(BaseModel):
         """
         if self.symmetry is None:
             return factors
-        given = {name: factors.column(name) for name in self.symmetry.position}
-        kept = ("h0_m", "hv_m", *PHYSICS_COLUMNS.values())
+        given = {name: factors.column(name) for name in self.symmetry.position_columns}
+        kept = ("h0_m", "hv_m", *PHYSICS_COLUMN_OF_NAME.values())
         kept_columns = {name: each for name, each in factors.columns.items() if name in kept}
         return Factors.of(**kept_columns, **self.symmetry.representative_positions(**given))
 
@@ -182,33 +182,33 @@ class FittedModel(BaseModel):
             )
         return self.limit_table if names else None
 
-    def with_limits(self, factors: Factors) -> Factors:
+    def with_asymptotic_forces(self, factors: Factors) -> Factors:
         """The factors with the asymptotic forces that the model needs, from the file's own table.
 
         Raises InputError as ``required_limit_table``.
         """
         known = all(name in factors.columns for name in self.force_model.column_names)
         table = None if known else self.required_limit_table
-        return factors if table is None else table.with_limits(factors)
+        return factors if table is None else table.with_asymptotic_forces(factors)
 
     def evaluate(self, factors: Factors) -> Array:
         """The model's forces in newtons, shape (n,); NaN where it is undefined."""
-        return self.force_model.evaluate(self.theta, self.with_limits(factors))
+        return self.force_model.evaluate(self.theta, self.with_asymptotic_forces(factors))
 
     def validity(self, factors: Factors) -> list[str]:
-        """``ok``, or the limits of validity that each point's film exceeds; FILM_UNKNOWN.
+        """``ok``, or the limits of validity that each point's film exceeds; FILM_UNKNOWN_TEXT.
 
         As if the profile's maximum lay under the whole pad.
         """
         if self.film is None:
-            return [FILM_UNKNOWN] * len(factors)
+            return [FILM_UNKNOWN_TEXT] * len(factors)
         film = Film(
             self.film.gas,
             Actuator(self.film.frequency_hz, 1.0, profile=Piston()),
             Pad(**dict(self.film.pad), speed_x_m_per_s=0.0),
         )
         centre = np.zeros(len(factors))
-        return list(validities(film.scenes(factors.h0_m, factors.hv_m, centre, centre)))
+        return list(validity_texts(film.scenes(factors.h0_m, factors.hv_m, centre, centre)))
 
     def validation(self, factors: Factors, force_n: ArrayLike) -> tuple[Array, Array, list[str]]:
         """Errors that hold 95 % and 99 % of new points, and why a point is not validated.
@@ -219,10 +219,10 @@ class FittedModel(BaseModel):
         Returns both half widths in newtons, shape (n,), NaN where there is none, and notes that
         are empty where there is.
         """
-        force, interval = np.asarray(force_n, dtype=float), self.interval
+        force, interval = np.asarray(force_n, dtype=float), self.prediction_interval
         error_95, error_99 = np.full((2, len(force)), np.nan)
         if interval is None:
-            return error_95, error_99, [f"not validated: {NO_VALIDATION_SAMPLE}"] * len(force)
+            return error_95, error_99, [f"not validated: {NO_VALIDATION_SAMPLE_TEXT}"] * len(force)
         few = "" if interval.error_95 else "too few points of the sample have a force"
         notes = [
             "; ".join(filter(None, (outside or few, "" if known else "undefined here")))
@@ -239,13 +239,13 @@ class FittedModel(BaseModel):
     def statement(self) -> str:
         """A sentence about the model's error."""
         return (
-            f"Not validated: {NO_VALIDATION_SAMPLE}."
-            if self.interval is None
-            else self.interval.statement
+            f"Not validated: {NO_VALIDATION_SAMPLE_TEXT}."
+            if self.prediction_interval is None
+            else self.prediction_interval.statement
         )
 
     @property
-    def profile_uncertainty_percent(self) -> dict[str, float]:
+    def profile_uncertainty_column(self) -> dict[str, float]:
         """A column of the profile's uncertainty in per cent of the force; none without a scan."""
         fraction = self.profile_uncertainty
         return {"profile_uncertainty_percent": 100 * fraction} if fraction else {}
@@ -259,10 +259,10 @@ def read_fit(path: Path | str) -> FittedModel:
     """
     values = read_json(path)
     lacking = [part for part in ("format", *REQUIRED_KEYS) if part not in values]
-    if "not_supported" not in values and (lacking or values["format"] != FIT_FILE_FORMAT):
+    if "not_supported" not in values and (lacking or values["format"] != FIT_FILE_FORMAT_VERSION):
         what = f"it lacks {', '.join(lacking)}" if lacking else f"its is {values['format']}"
         raise InputError(
-            f"{path}: this version reads fits of format {FIT_FILE_FORMAT}, and {what}; fit "
+            f"{path}: this version reads fits of format {FIT_FILE_FORMAT_VERSION}, and {what}; fit "
             f"again with this "
             "version (`squeezefilm fit`, or snakemake for a study)"
         )
@@ -285,17 +285,17 @@ def fit_from_values(values: Mapping[str, Any], *, source: Path | str) -> FittedM
         raise InputError(f"{source}: {'; '.join(wrong)}") from None
 
 
-def amplitude_for(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
+def amplitude_row(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
     """Amplitude, its errors and a note for one gap and position; NaN where there is none."""
     point = fit.folded(point)
-    where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position)}
+    where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position_columns)}
     row: dict[str, object] = {
         "force_n": force_n,
         **dict.fromkeys(("hv_m", "hv_error_95_m", "error_95_percent"), np.nan),
-        **fit.profile_uncertainty_percent,
+        **fit.profile_uncertainty_column,
         "validity": "",
     }
-    fit.with_limits(point)  # an error names what is missing, if anything
+    fit.with_asymptotic_forces(point)  # an error names what is missing, if anything
     try:
         hv_m = amplitude_for_force(fit.evaluate, force_n=force_n, **where)
     except InputError as error:
@@ -337,7 +337,7 @@ def amplitude_for_force(
         at = Factors.of(h0_m=h0_m, hv_m=np.asarray(amplitude_ratio) * h0_m, **position)
         return evaluate(at) - force_n
 
-    def signed_root_function(amplitude_ratio: float, beyond: float) -> float:
+    def finite_excess_force_n(amplitude_ratio: float, beyond: float) -> float:
         return float(np.nan_to_num(excess_force_n(amplitude_ratio)[0], nan=beyond))
 
     grid = np.append(
@@ -352,7 +352,7 @@ def amplitude_for_force(
         if values[defined]:
             ends = grid[interval : interval + 2]
             amplitude_ratio = scipy.optimize.brentq(
-                signed_root_function, *ends, args=(-values[defined],), xtol=1e-16, rtol=1e-15
+                finite_excess_force_n, *ends, args=(-values[defined],), xtol=1e-16, rtol=1e-15
             )
         # The sign may change at a pole or at the edge, too.
         if abs(excess_force_n(amplitude_ratio)[0]) <= 1e-9 * (1 + abs(force_n)):

@@ -40,19 +40,25 @@ from squeezefilm.errors import InputError
 from squeezefilm.formulas import ValueFunction
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel
-from squeezefilm.models.search import Array, Objective, SearchResult, genetic_search, nelder_mead
+from squeezefilm.models.search import (
+    Array,
+    ObjectiveFunction,
+    SearchResult,
+    genetic_search,
+    nelder_mead,
+)
 from squeezefilm.parallel import parallel_map
-from squeezefilm.units import parse_compound
+from squeezefilm.units import parse_compound_unit
 
-UNDEFINED_OBJECTIVE = 1e30
+UNDEFINED_OBJECTIVE_VALUE = 1e30
 """Objective value where a root of the model is undefined: far above any sum of squares here."""
 MAX_GENETIC_SEARCHES = 32
-DEPENDENT_COLUMN_FRACTION = 1e-10
+DEPENDENT_COLUMN_TOLERANCE = 1e-10
 """Share of a column's length that others do not replace, below which it counts as none."""
 FORCES_PER_CHUNK = 12_000
 """Forces evaluated at once: in 100 kB, which memory is kept for; five times as fast as 260 kB."""
-IDENTIFIABILITY_DRAWS, IDENTIFIABILITY_SEED = 400, 1
-ASINH_THETA_SPREADS = (2.0, 16.0)
+IDENTIFIABILITY_DRAW_COUNT, IDENTIFIABILITY_SEED = 400, 1
+ASINH_THETA_BOUNDS = (2.0, 16.0)
 """Parameters are drawn as sinh of a uniform number within these: up to 4 and up to 4 million."""
 CONFIDENCE_LEVEL = 0.95
 PARAMETER_RANGES_NOTE = (
@@ -62,15 +68,15 @@ PARAMETER_RANGES_NOTE = (
     "intervals that do not overlap these. null is open."
 )
 """Said wherever intervals are written."""
-MAX_RANGE_STEPS, OPEN_RANGE_MIN_STEP = 60, 2.0**30
+MAX_RANGE_SEARCH_STEPS, OPEN_RANGE_STEP_MULTIPLE = 60, 2.0**30
 """Doublings and halvings of the step away from the estimate, and its multiple, before a range
 counts as open."""
 MIN_SINGULAR_VALUE = 1e-9
 NULL_DIRECTION_FRACTION = 0.1
-PARAMETER_COMBINATIONS = {"/": np.divide, "*": np.multiply, " + ": np.add, " - ": np.subtract}
+COMBINATION_OPERATORS = {"/": np.divide, "*": np.multiply, " + ": np.add, " - ": np.subtract}
 MAX_COMBINATION_WIDTH_RATIO = 0.5
 """Relative change of a combination that the points determine while its parameters are unbounded."""
-WIDER_BOUND_FACTOR, MUCH_WORSE_RATIO = 1e4, 1.01
+WIDER_BOUND_FACTOR, MUCH_WORSE_SQUARES_RATIO = 1e4, 1.01
 """Factor of the widest bound in a check of it; ratio of sums of squares that a check finds."""
 RANDOM_START_COUNT, RANDOM_START_RANGE, BEST_START_COUNT = 64, 4.0, 8
 """Random parameters of a check, within this or the bound; best of them that least squares start at.
@@ -113,11 +119,13 @@ class Fit:
         return cls(model.name, tuple(theta.tolist()), squares, error, len(force_n), **about)
 
 
-Search = Callable[[Objective, Array, int], list[SearchResult]]
+SearchFunction = Callable[[ObjectiveFunction, Array, int], list[SearchResult]]
 """From an objective, bounds of ±u and a seed to rough minima."""
 
 
-def genetic_searches(objective: Objective, limit: Array, seed: int) -> list[SearchResult]:
+def run_genetic_searches(
+    objective: ObjectiveFunction, limit: Array, seed: int
+) -> list[SearchResult]:
     """Several genetic searches, stopped early."""
     # The good region's share of the box falls with every parameter: twice the searches for each.
     count = min(2 ** (len(limit) - 1), MAX_GENETIC_SEARCHES)
@@ -125,7 +133,9 @@ def genetic_searches(objective: Objective, limit: Array, seed: int) -> list[Sear
     return [genetic_search(objective, lower=-limit, upper=limit, seed=int(each)) for each in seeds]
 
 
-def search_by_evolution(objective: Objective, limit: Array, seed: int) -> list[SearchResult]:
+def run_differential_evolution(
+    objective: ObjectiveFunction, limit: Array, seed: int
+) -> list[SearchResult]:
     """One search by SciPy's differential evolution, as a check of the genetic ones.
 
     With five parameters and bounds of a million, about every second one ends in a false minimum.
@@ -145,9 +155,9 @@ def search_by_evolution(objective: Objective, limit: Array, seed: int) -> list[S
     return [SearchResult(x=rough.x, value=float(rough.fun), evaluations=evaluations)]
 
 
-NAME_OF_SEARCH: dict[Search, str] = {
-    genetic_searches: "genetic algorithm",
-    search_by_evolution: "differential evolution",
+NAME_OF_SEARCH: dict[SearchFunction, str] = {
+    run_genetic_searches: "genetic algorithm",
+    run_differential_evolution: "differential evolution",
 }
 
 
@@ -158,7 +168,7 @@ def fit_model(
     *,
     bound: float = 1e6,
     seed: int = 1,
-    search: Search = genetic_searches,
+    search: SearchFunction = run_genetic_searches,
 ) -> Fit:
     """A global search within +-bound, then Nelder-Mead (paper, section III); see
     ``fit_by_searches``."""
@@ -166,7 +176,7 @@ def fit_model(
 
 
 def fit_by_searches(
-    ways: Sequence[tuple[float, Search, int]],
+    ways: Sequence[tuple[float, SearchFunction, int]],
     model: ExpressionModel,
     factors: Factors,
     force_n: ArrayLike,
@@ -189,14 +199,14 @@ def fit_by_searches(
     if not (np.all(np.isfinite(force)) and np.any(force)):
         raise InputError("force_n: forces must be finite numbers, and not all zero")
     if model.is_linear:
-        theta = local_fit(model, factors, force, np.zeros(count))
+        theta = local_fit_theta(model, factors, force, np.zeros(count))
         method = "linear least squares" if count else "no parameters"
         about = {"bound": ways[0][0], "seed": ways[0][2], "evaluations": 1}
         return [Fit.of(model, factors, force, theta, method=method, **about)]
     projection = _VariableProjection(model, factors, force)
-    objective, size = projection.objective, int(projection.nonlinear_parameters.sum())
+    objective, size = projection.objective, int(projection.nonlinear_parameter_mask.sum())
 
-    def run_search(way: tuple[float, Search, int]) -> list[SearchResult]:
+    def run_search(way: tuple[float, SearchFunction, int]) -> list[SearchResult]:
         bound, search, seed = way
         return search(objective, np.full(size, np.arcsinh(bound)), seed)
 
@@ -222,19 +232,19 @@ def fit_by_searches(
         )
         for (bound, search, seed), found, near, end in zip(ways, searches, tried, ends, strict=True)
     ]
-    return [_compare_with_random_starts(run, projection) for run in runs]
+    return [_best_of_run_and_random_starts(run, projection) for run in runs]
 
 
-def _compare_with_random_starts(run: Fit, projection: _VariableProjection) -> Fit:
+def _best_of_run_and_random_starts(run: Fit, projection: _VariableProjection) -> Fit:
     """The run, or the least squares next to random parameters if they are much better."""
     within = np.arcsinh(min(RANDOM_START_RANGE, run.bound))
-    size = RANDOM_START_COUNT, int(projection.nonlinear_parameters.sum())
+    size = RANDOM_START_COUNT, int(projection.nonlinear_parameter_mask.sum())
     drawn = np.random.default_rng(run.seed).uniform(-within, within, size)
     model, factors, force_n = projection.model, projection.factors, projection.force_n
-    best, theta = run.sum_of_squares / MUCH_WORSE_RATIO, None
+    best, theta = run.sum_of_squares / MUCH_WORSE_SQUARES_RATIO, None
     for start_row in np.argsort(projection.objective(drawn))[:BEST_START_COUNT]:
         try:
-            end = local_fit(model, factors, force_n, projection.theta(drawn[start_row]))
+            end = local_fit_theta(model, factors, force_n, projection.theta(drawn[start_row]))
         except (InputError, ValueError):  # the model is undefined there, or has no derivative
             continue
         squares = sum_of_squares(model, factors, force_n, end)
@@ -262,32 +272,38 @@ class _VariableProjection:
     force_n: Array
 
     @cached_property
-    def nonlinear_parameters(self) -> NDArray[np.bool_]:
+    def nonlinear_parameter_mask(self) -> NDArray[np.bool_]:
         """Mask of the parameters that are not linear, shape (p,)."""
-        linear = self.model.linear_names
+        linear = self.model.linear_parameter_names
         return np.array([name not in linear for name in self.model.parameter_names])
 
     @cached_property
-    def _size(self) -> Array:
+    def _parameter_scales(self) -> Array:
         """Units of the parameters that are searched for, by the forces' root mean square."""
-        units = np.array(self.model.parameter_units)[self.nonlinear_parameters]
-        known = [parse_compound(str(unit)) for unit in units]
+        units = np.array(self.model.parameter_units)[self.nonlinear_parameter_mask]
+        known = [parse_compound_unit(str(unit)) for unit in units]
         powers = [float(unit.dimension.get("N", 0)) if unit else 0.0 for unit in known]
         size_n = np.linalg.norm(self.force_n) / np.sqrt(len(self.force_n))
         return np.asarray(size_n ** np.array(powers))
 
     @cached_property
-    def _value(self) -> ValueFunction:
-        return self.model.parsed.with_known_values(self.model.columns_of(self.factors))
+    def _value_function(self) -> ValueFunction:
+        return self.model.parsed_expression.partial_value_function(
+            self.model.formula_values(self.factors)
+        )
 
     def _residual_and_linear_columns(self, u: Array) -> tuple[Array, Array]:
         """Force less its part without linear parameters (m, n); columns of these (m, k, n)."""
-        names, linear = self.model.parameter_names, self.model.linear_names
+        names, linear = self.model.parameter_names, self.model.linear_parameter_names
         searched = [name for name in names if name not in linear]
-        theta = dict(zip(searched, (self._size * np.sinh(u)).T[..., None, None], strict=True))
+        theta = dict(
+            zip(searched, (self._parameter_scales * np.sinh(u)).T[..., None, None], strict=True)
+        )
         units = np.eye(len(linear) + 1)[1:, :, None]
         shape = len(u), len(linear) + 1, len(self.force_n)
-        values = np.broadcast_to(self._value(theta | dict(zip(linear, units, strict=True))), shape)
+        values = np.broadcast_to(
+            self._value_function(theta | dict(zip(linear, units, strict=True))), shape
+        )
         return self.force_n - values[:, 0], values[:, 1:] - values[:, :1]
 
     def objective(self, u: Array) -> Array:
@@ -295,7 +311,10 @@ class _VariableProjection:
 
         Takes shape (m, q), q parameters being searched for, gives shape (m,).
         """
-        rows = max(FORCES_PER_CHUNK // (len(self.force_n) * (len(self.model.linear_names) + 1)), 1)
+        rows = max(
+            FORCES_PER_CHUNK // (len(self.force_n) * (len(self.model.linear_parameter_names) + 1)),
+            1,
+        )
         starts = range(0, len(u), rows)
         with np.errstate(all="ignore"):
             return np.concatenate(
@@ -309,7 +328,7 @@ class _VariableProjection:
             columns.shape[1]
         ):  # Gram and Schmidt's, modified: no unit of force
             left = np.linalg.norm(columns[:, column_index], axis=-1)
-            left[left < DEPENDENT_COLUMN_FRACTION * length[:, column_index]] = (
+            left[left < DEPENDENT_COLUMN_TOLERANCE * length[:, column_index]] = (
                 np.inf
             )  # for one that others replace
             unit = columns[:, column_index] / left[:, None]
@@ -319,20 +338,20 @@ class _VariableProjection:
             columns[:, column_index + 1 :] = rest - projections[..., None] * unit[:, None]
         squares = np.sum(residual**2, axis=-1) / np.sum(self.force_n**2)
         return np.fmin(
-            squares, UNDEFINED_OBJECTIVE
+            squares, UNDEFINED_OBJECTIVE_VALUE
         )  # which takes the number where squares are none
 
     def theta(self, u: Array) -> Array:
         """All parameters, shape (p,), from those that were searched for, shape (q,)."""
-        theta = np.zeros(len(self.nonlinear_parameters))
-        theta[self.nonlinear_parameters] = self._size * np.sinh(u)
+        theta = np.zeros(len(self.nonlinear_parameter_mask))
+        theta[self.nonlinear_parameter_mask] = self._parameter_scales * np.sinh(u)
         with np.errstate(all="ignore"):
             (wanted,), (columns,) = self._residual_and_linear_columns(u[None])
-        theta[~self.nonlinear_parameters] = _linear_solution(columns.T, wanted)
+        theta[~self.nonlinear_parameter_mask] = _linear_solution(columns.T, wanted)
         return theta
 
 
-def best_run_of_bounds(
+def best_fit_of_bounds(
     runs: Sequence[Fit], model: ExpressionModel, factors: Factors, force_n: Array
 ) -> tuple[Fit, list[str]]:
     """The best of a model's runs, or of wider bounds if it is much better, and what to note."""
@@ -342,13 +361,13 @@ def best_run_of_bounds(
         return best, []
     wider = fit_model(model, factors, force_n, bound=WIDER_BOUND_FACTOR * widest, seed=best.seed)
     rounding = 1e-20 * float(np.sum(force_n**2))
-    if best.sum_of_squares > MUCH_WORSE_RATIO * wider.sum_of_squares + rounding:
+    if best.sum_of_squares > MUCH_WORSE_SQUARES_RATIO * wider.sum_of_squares + rounding:
         return wider, [
             f"fit.bounds up to {widest:g} are too narrow: the sum of squares there is "
             f"{best.sum_of_squares:.4g} N², with {wider.bound:g} it is "
             f"{wider.sum_of_squares:.4g} N², and this fit is shown"
         ]
-    searched = [name for name in model.parameter_names if name not in model.linear_names]
+    searched = [name for name in model.parameter_names if name not in model.linear_parameter_names]
     theta = dict(zip(model.parameter_names, best.theta, strict=True))
     beyond = [name for name in searched if abs(theta[name]) >= widest]
     if not beyond:
@@ -365,7 +384,7 @@ def _linear_solution(columns: Array, wanted: Array) -> Array:
     return np.asarray(np.linalg.lstsq(columns / size, wanted, rcond=None)[0] / size)
 
 
-def local_fit(
+def local_fit_theta(
     model: ExpressionModel,
     factors: Factors,
     force_n: ArrayLike,
@@ -430,8 +449,8 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
     """
     count, random = len(model.parameter_names), np.random.default_rng(IDENTIFIABILITY_SEED)
     best, direction = -1.0, np.zeros(count)
-    for draw in range(IDENTIFIABILITY_DRAWS if count else 0):
-        spread = ASINH_THETA_SPREADS[draw % len(ASINH_THETA_SPREADS)]
+    for draw in range(IDENTIFIABILITY_DRAW_COUNT if count else 0):
+        spread = ASINH_THETA_BOUNDS[draw % len(ASINH_THETA_BOUNDS)]
         theta = np.sinh(random.uniform(-spread, spread, count))
         try:
             gradient = model.gradient(theta, factors)
@@ -458,7 +477,7 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
         )
     if count:
         raise InputError(
-            f"{model.source}: the formula is undefined at {IDENTIFIABILITY_DRAWS} random "
+            f"{model.source}: the formula is undefined at {IDENTIFIABILITY_DRAW_COUNT} random "
             f"parameter sets; no fit "
             "can start from there"
         )
@@ -487,7 +506,7 @@ class ParameterRange:
         return plain | {name: end if np.isfinite(end) else None for name, end in ends.items()}
 
 
-def _starts_with_value(theta: Array, index: int, value: float) -> list[Array]:
+def _starts_with_fixed_value(theta: Array, index: int, value: float) -> list[Array]:
     """Starts (p,) with a new value of a parameter: the others kept, or one in proportion to it.
 
     Points may determine the quotient or the product of two parameters and neither of them.
@@ -521,7 +540,7 @@ def open_range_notes(ranges: Sequence[ParameterRange]) -> list[str]:
         )
         estimate = [parameter.estimate for parameter in ranges]
         a, b = np.array([estimate, *ends])[:, [names.index(one.name), names.index(other.name)]].T
-        for operator, combine in PARAMETER_COMBINATIONS.items():
+        for operator, combine in COMBINATION_OPERATORS.items():
             with np.errstate(all="ignore"):
                 values = combine(a, b)
             if np.ptp(values) < MAX_COMBINATION_WIDTH_RATIO * abs(values[0]):
@@ -538,7 +557,7 @@ def parameter_ranges(
 ) -> list[ParameterRange]:
     """The range of each parameter of a fit to n points, n above p (see the module).
 
-    theta is the best fit next to it (``local_fit``). Raises InputError for too few points.
+    theta is the best fit next to it (``local_fit_theta``). Raises InputError for too few points.
     """
     theta = np.asarray(theta, dtype=float)
     least = sum_of_squares(model, factors, force_n, theta)
@@ -565,17 +584,17 @@ def parameter_ranges(
             if way not in tried:
                 defined = [each for each in tried if tried[each][1] < np.inf]
                 near = tried[min(defined, key=lambda each: abs(each - way))][0]
-                starts = _starts_with_value(near, index, float(theta[index] + way * step))
+                starts = _starts_with_fixed_value(near, index, float(theta[index] + way * step))
                 at = min(starts, key=lambda at: sum_of_squares(model, factors, force_n, at))
                 if np.isfinite(sum_of_squares(model, factors, force_n, at)):
-                    at = local_fit(model, factors, force_n, at, fixed=index)
+                    at = local_fit_theta(model, factors, force_n, at, fixed=index)
                 tried[way] = at, sum_of_squares(model, factors, force_n, at) - allowed
             return tried[way][1]
 
         inside, way = 0.0, 1.0
-        for _ in range(MAX_RANGE_STEPS):
+        for _ in range(MAX_RANGE_SEARCH_STEPS):
             above = excess_sum_of_squares(way)
-            if above <= 0 and way > OPEN_RANGE_MIN_STEP:
+            if above <= 0 and way > OPEN_RANGE_STEP_MULTIPLE:
                 break
             if above <= 0:
                 inside, way = way, 2 * way

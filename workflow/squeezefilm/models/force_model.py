@@ -22,20 +22,20 @@ from numpy.typing import ArrayLike
 
 from squeezefilm.config.study import OwnModel, Study
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.positions import CARTESIAN, POLAR
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS
 from squeezefilm.formulas import (
     Expression,
     Operation,
-    constants_of,
     fold_formula,
     parameter_units,
+    parse_constants,
     parse_formula,
 )
-from squeezefilm.models.data import FACTOR_OF_NAME, PHYSICS_COLUMNS, Array, Factors
+from squeezefilm.models.data import FACTOR_COLUMN_OF_NAME, PHYSICS_COLUMN_OF_NAME, Array, Factors
 
 LIBRARY_FILE = Path(__file__).with_name("models.yaml")
-UNITS_OF_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
-FACTOR_SPACES = ("two_factor", "four_factor")
+UNIT_OF_COLUMN_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
+FACTOR_SPACE_NAMES = ("two_factor", "four_factor")
 """Where models are compared: the pad centred, or anywhere."""
 MAX_PARAMETERS = 30
 COMPLEX_STEP = 1e-30
@@ -53,7 +53,7 @@ class ExpressionModel:
     """
 
     name: str
-    parsed: Expression
+    parsed_expression: Expression
     parameter_names: tuple[str, ...]
     parameter_units: tuple[str, ...]
     about: str = ""
@@ -64,12 +64,16 @@ class ExpressionModel:
     @property
     def expression(self) -> str:
         """The formula's text."""
-        return self.parsed.text
+        return self.parsed_expression.text
 
     @property
     def column_names(self) -> tuple[str, ...]:
         """The columns with results of physics that the model needs, besides the factors."""
-        return tuple(PHYSICS_COLUMNS[name] for name in PHYSICS_COLUMNS if name in self.parsed.names)
+        return tuple(
+            PHYSICS_COLUMN_OF_NAME[name]
+            for name in PHYSICS_COLUMN_OF_NAME
+            if name in self.parsed_expression.names
+        )
 
     @property
     def factor_names(self) -> tuple[str, ...]:
@@ -78,9 +82,20 @@ class ExpressionModel:
         A position is always two of them; Cartesian unless the expression is in polar form. Results
         of physics depend on all factors.
         """
-        used = {FACTOR_OF_NAME[name] for name in FACTOR_OF_NAME if name in self.parsed.names}
-        polar, cartesian = used & {*POLAR, "phi_rad"}, used & set(CARTESIAN) or self.column_names
-        return ("h0_m", "hv_m", *(POLAR if polar else CARTESIAN if cartesian else ()))
+        used = {
+            FACTOR_COLUMN_OF_NAME[name]
+            for name in FACTOR_COLUMN_OF_NAME
+            if name in self.parsed_expression.names
+        }
+        polar, cartesian = (
+            used & {*POLAR_COLUMNS, "phi_rad"},
+            used & set(CARTESIAN_COLUMNS) or self.column_names,
+        )
+        return (
+            "h0_m",
+            "hv_m",
+            *(POLAR_COLUMNS if polar else CARTESIAN_COLUMNS if cartesian else ()),
+        )
 
     @property
     def is_centred(self) -> bool:
@@ -88,18 +103,18 @@ class ExpressionModel:
         return self.factor_names == ("h0_m", "hv_m")
 
     @property
-    def linear_names(self) -> tuple[str, ...]:
+    def linear_parameter_names(self) -> tuple[str, ...]:
         """Parameters in which the force is linear, all the others fixed."""
         names: tuple[str, ...] = ()
         for name in self.parameter_names:
-            if _degree_in_parameters(self.parsed, (*names, name)) <= 1:
+            if _degree_in_parameters(self.parsed_expression, (*names, name)) <= 1:
                 names = (*names, name)
         return names
 
     @property
     def is_linear(self) -> bool:
         """True if the force is linear in the parameters, so that no search is needed."""
-        return self.linear_names == self.parameter_names
+        return self.linear_parameter_names == self.parameter_names
 
     def evaluate(self, theta: ArrayLike, factors: Factors) -> Array:
         """Force eta in newtons, from the model's expression.
@@ -109,7 +124,7 @@ class ExpressionModel:
         """
         theta = np.asarray(theta, dtype=float)
         force_n = np.empty((*theta.shape[:-1], len(factors)))
-        force_n[...] = self.parsed.evaluate(**self._inputs(theta, factors))
+        force_n[...] = self.parsed_expression.evaluate(**self._expression_inputs(theta, factors))
         force_n[~np.isfinite(force_n)] = np.nan
         return force_n
 
@@ -122,7 +137,9 @@ class ExpressionModel:
         theta = np.asarray(theta, dtype=float)
         value = self.evaluate(theta, factors)
         step = COMPLEX_STEP * np.where(theta == 0, 1.0, np.abs(theta))
-        turned = self.parsed.evaluate(**self._inputs(theta + 1j * np.diag(step), factors))
+        turned = self.parsed_expression.evaluate(
+            **self._expression_inputs(theta + 1j * np.diag(step), factors)
+        )
         slopes = np.broadcast_to(turned.imag / step[:, None], (len(theta), len(factors))).T
         if not np.all(np.isfinite(slopes)):
             # A part that overflows has no derivative, where the force has one: 1/(1 + exp(1000)).
@@ -148,16 +165,18 @@ class ExpressionModel:
         parameters = ", ".join(f"{name} = {value:g}" for name, value in given)
         return f"at {point}" + (f", with {parameters}" if parameters else "")
 
-    def _inputs(self, theta: Array, factors: Factors) -> dict[str, Array]:
+    def _expression_inputs(self, theta: Array, factors: Factors) -> dict[str, Array]:
         parameters = np.moveaxis(theta, -1, 0)[..., None]
-        return dict(zip(self.parameter_names, parameters, strict=True)) | self.columns_of(factors)
+        return dict(zip(self.parameter_names, parameters, strict=True)) | self.formula_values(
+            factors
+        )
 
-    def columns_of(self, factors: Factors) -> dict[str, Array]:
+    def formula_values(self, factors: Factors) -> dict[str, Array]:
         """Values of the points by their names in the expression."""
         return {
             name: factors.column(column)
-            for name, column in (FACTOR_OF_NAME | PHYSICS_COLUMNS).items()
-            if name in self.parsed.names
+            for name, column in (FACTOR_COLUMN_OF_NAME | PHYSICS_COLUMN_OF_NAME).items()
+            if name in self.parsed_expression.names
         }
 
 
@@ -186,7 +205,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> Expres
     Raises InputError naming the place, for an invalid expression or one whose units do not fit.
     """
     declared = settings.get("parameters", {})
-    known = (*FACTOR_OF_NAME, *PHYSICS_COLUMNS)
+    known = (*FACTOR_COLUMN_OF_NAME, *PHYSICS_COLUMN_OF_NAME)
     for parameter in declared:
         if parameter in known or not re.fullmatch(r"[a-z][a-z0-9_]*", parameter):
             raise InputError(
@@ -195,7 +214,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> Expres
             )
     usual = tuple(f"t{index}" for index in range(MAX_PARAMETERS))
     given = settings.get("constants", {})
-    constants = constants_of(given, names=(*known, *declared, *usual), source=source)
+    constants = parse_constants(given, names=(*known, *declared, *usual), source=source)
     where = f"{source}.expression"
     expression = parse_formula(
         settings["expression"],
@@ -211,15 +230,15 @@ def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> Expres
         dict.fromkeys((*declared, *(symbol for symbol in usual if symbol in expression.names)))
     )
     units = {
-        name: UNITS_OF_SUFFIX.get(column.rsplit("_", 1)[-1], "1")
-        for name, column in (FACTOR_OF_NAME | PHYSICS_COLUMNS).items()
+        name: UNIT_OF_COLUMN_SUFFIX.get(column.rsplit("_", 1)[-1], "1")
+        for name, column in (FACTOR_COLUMN_OF_NAME | PHYSICS_COLUMN_OF_NAME).items()
     }
     if isinstance(declared, Mapping):
         units |= {key: str(unit) for key, unit in declared.items() if unit is not None}
     inferred = parameter_units(expression, units=units, parameters=parameters, source=where)
     return ExpressionModel(
         name=name,
-        parsed=expression,
+        parsed_expression=expression,
         parameter_names=parameters,
         parameter_units=tuple(inferred.values()),
         about=settings.get("about", ""),
@@ -268,7 +287,7 @@ def check_models_of_study(study: Study) -> None:
             )
         get_model(name, own, source=path)
     for section, named in (("comparison", study.comparison), ("refine", study.refine)):
-        for space in FACTOR_SPACES:
+        for space in FACTOR_SPACE_NAMES:
             for name in named.of(space):
                 with prefix_errors(f"{path}: {section}.{space}"):
                     get_model(name, own, source=path)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
-from squeezefilm.film.positions import position_form
+from squeezefilm.film.positions import find_position_columns
 from squeezefilm.models.data import RANGE_TOLERANCE, Array, Factors
 
 AXIS_NAMES = ("h0_m", "epsilon_square")
@@ -39,8 +39,8 @@ class LimitTable(BaseModel):
     largest_relative_error: float
 
     @model_validator(mode="after")
-    def _consistent(self) -> LimitTable:
-        axes = (*AXIS_NAMES, *position_form(self.ranges))
+    def _check_consistent(self) -> LimitTable:
+        axes = (*AXIS_NAMES, *find_position_columns(self.ranges))
         if set(self.ranges) != set(axes):
             raise ValueError(f"ranges must be of {', '.join(axes)}")
         if any(len(flat) != prod(self.shape) for flat in self.coefficients.values()):
@@ -50,7 +50,9 @@ class LimitTable(BaseModel):
     @cached_property
     def axes(self) -> dict[str, tuple[float, float]]:
         """The ranges in the order of the shape; a file has them in any."""
-        return {axis: self.ranges[axis] for axis in (*AXIS_NAMES, *position_form(self.ranges))}
+        return {
+            axis: self.ranges[axis] for axis in (*AXIS_NAMES, *find_position_columns(self.ranges))
+        }
 
     @cached_property
     def tables(self) -> dict[str, Array]:
@@ -60,7 +62,7 @@ class LimitTable(BaseModel):
             for name, flat in self.coefficients.items()
         }
 
-    def with_limits(self, factors: Factors) -> Factors:
+    def with_asymptotic_forces(self, factors: Factors) -> Factors:
         """The factors with the limits' columns; NaN outside the table."""
         values = {**factors.columns, "epsilon_square": factors.epsilon**2}
         inside = ~np.any(list(Factors(values).outside(self.axes).values()), axis=0)
@@ -79,7 +81,7 @@ class LimitTable(BaseModel):
             for name, table in self.tables.items()
         }
         columns["sigma"] = self.sigma_h0_square_m2 / factors.h0_m**2
-        return Factors({**factors.columns, **columns}, factors.position)
+        return Factors({**factors.columns, **columns}, factors.position_columns)
 
 
 def _chebyshev_sums(table: Array, table_coordinates: Array) -> Array:

@@ -30,15 +30,15 @@ from pydantic import BaseModel, ConfigDict, computed_field, model_validator
 
 from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import CARTESIAN, POLAR
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS
 from squeezefilm.lazy import pd
 from squeezefilm.models.data import Array, Factors
-from squeezefilm.models.fitting import local_fit
+from squeezefilm.models.fitting import local_fit_theta
 from squeezefilm.models.force_model import ExpressionModel
 
 PROFILE_UNCERTAINTY_LEVEL = 0.95
 """Level at which the uncertainty of a measured profile is stated."""
-MIN_FORCE_FRACTION = 0.1
+DEFAULT_SCALE_FRACTION = 0.1
 """Constant part of the scale over the mean force, where no residual tells it."""
 NORMAL_QUANTILES = {0.95: 1.959964, 0.99: 2.575829}
 """Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
@@ -55,7 +55,7 @@ class PredictionInterval(BaseModel):
         points: simulations of the sample; ``failed`` of them have no force, or no modelled one.
         calibration_points: those that the half widths come from.
         mean_coverage: share of the other half inside the 95 % interval.
-        coverage: the same by region (``thirds_of_each_factor``).
+        coverage: the same by region (``factor_third_masks``).
         profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %; it is
             part of error_95 and error_99.
     """
@@ -73,8 +73,12 @@ class PredictionInterval(BaseModel):
     profile_uncertainty: float = 0.0
 
     @model_validator(mode="after")
-    def _ranges_of_factors(self) -> PredictionInterval:
-        if not {"h0_m", "hv_m"} <= set(self.ranges) <= {"h0_m", "hv_m", *POLAR, *CARTESIAN}:
+    def _check_range_names(self) -> PredictionInterval:
+        if (
+            not {"h0_m", "hv_m"}
+            <= set(self.ranges)
+            <= {"h0_m", "hv_m", *POLAR_COLUMNS, *CARTESIAN_COLUMNS}
+        ):
             raise ValueError(f"ranges must be of h0_m, hv_m and of a position, not {self.ranges}")
         return self
 
@@ -119,7 +123,7 @@ class PredictionInterval(BaseModel):
         return [note.removeprefix("; ") for note in notes]
 
 
-def fold_of_points(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
+def fold_indices_of_points(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:
     """Fold of each point, shape (n,): of as many as asked for, or as there are pairs of a gap and
     an amplitude if these are fewer; all points of a pair belong to one."""
     films = pd.DataFrame({"h0_m": factors.h0_m, "hv_m": factors.hv_m})
@@ -138,8 +142,9 @@ def held_out_predictions(
     """Each point's force by the model fitted to the other folds of films, in newtons, shape (n,).
 
     ``theta`` is where the fits start: that of all points; ``folds`` are those of
-    ``fold_of_points``. NaN where the model, fitted to the others, is undefined, and everywhere
-    where a fold leaves fewer points than parameters. Raises InputError where a fit is impossible.
+    ``fold_indices_of_points``. NaN where the model, fitted to the others, is undefined, and
+    everywhere where a fold leaves fewer points than parameters. Raises InputError where a fit is
+    impossible.
     """
     force = np.asarray(force_n, dtype=float)
     predicted = np.full(len(force), np.nan)
@@ -147,7 +152,7 @@ def held_out_predictions(
         return predicted
     for fold in np.unique(folds):
         out = folds == fold
-        fold_theta = local_fit(model, factors.take(~out), force[~out], theta)
+        fold_theta = local_fit_theta(model, factors.take(~out), force[~out], theta)
         predicted[out] = model.evaluate(fold_theta, factors.take(out))
     return predicted
 
@@ -189,8 +194,8 @@ def error_scale_of_residuals(residual_n: ArrayLike, force_n: ArrayLike) -> tuple
     """Constant a in newtons and share b of a scale a + b·|force| of a model's errors.
 
     From the residuals at held-out points, shape (n,), by non-negative least squares on
-    their magnitudes. Without any (NaN) the share is 1 and the constant MIN_FORCE_FRACTION of the
-    mean force.
+    their magnitudes. Without any (NaN) the share is 1 and the constant DEFAULT_SCALE_FRACTION of
+    the mean force.
     """
     from scipy.optimize import nnls  # slow to import
 
@@ -199,7 +204,7 @@ def error_scale_of_residuals(residual_n: ArrayLike, force_n: ArrayLike) -> tuple
     residual, force = residual[known], force[known]
     largest = float(np.max(force, initial=0.0))
     if not largest or not np.any(residual):
-        return MIN_FORCE_FRACTION * mean, 1.0
+        return DEFAULT_SCALE_FRACTION * mean, 1.0
     columns = np.column_stack([np.ones(len(force)), force / largest])
     (constant, relative), _ = nnls(columns, residual)
     # A scale of zero at zero force would leave the errors there without a finite score.
@@ -211,7 +216,7 @@ def ranking_points_mask(points: int) -> NDArray[np.bool_]:
     return np.arange(points) % 2 == 0
 
 
-def measured_interval(
+def conformal_interval(
     factors: Factors,
     *,
     model_n: ArrayLike,
@@ -254,18 +259,18 @@ def measured_interval(
         mean_coverage=float(inside[ranking].mean()),
         coverage=tuple(
             {"quantity": name, "third": third, "coverage": float(inside[ranking][mask].mean())}
-            for name, third, mask in thirds_of_each_factor(factors.take(ranking))
+            for name, third, mask in factor_third_masks(factors.take(ranking))
         ),
         profile_uncertainty=profile_uncertainty,
     )
 
 
-def thirds_of_each_factor(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
+def factor_third_masks(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
     """Each quantity that varies with each of its thirds and a mask of its points, shape (n,).
 
     A quantity's range is cut at its terciles over the points, which fill the space evenly.
     """
-    for name in ("h0_m", "hv_m", "epsilon", *factors.position):
+    for name in ("h0_m", "hv_m", "epsilon", *factors.position_columns):
         values = factors.column(name)
         if len(values) and np.ptp(values) > 0:
             part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
@@ -274,7 +279,7 @@ def thirds_of_each_factor(factors: Factors) -> Iterator[tuple[str, str, NDArray[
             )
 
 
-def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
+def error_by_region_text(factors: Factors, error_n: ArrayLike) -> str:
     """The two quantities whose thirds hold the largest shares of the squared error, in words.
 
     factors hold n points that fill the space evenly, error_n the errors there in newtons. Raises
@@ -285,7 +290,7 @@ def error_by_region(factors: Factors, error_n: ArrayLike) -> str:
     if not squares.sum() > 0:
         raise InputError("error by region: no error is known, or all are zero")
     worst: dict[str, tuple[float, str]] = {}
-    for name, third, inside in thirds_of_each_factor(factors):
+    for name, third, inside in factor_third_masks(factors):
         fraction = float(squares[inside].sum() / squares.sum())
         if fraction > worst.get(name, (0.0, ""))[0]:
             worst[name] = fraction, f"{third} third of the {COLUMNS[name].label}"

@@ -7,18 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-SIMPLEX_TOLERANCE, MAX_SIMPLEX_STEPS = 1e-8, 200
+SIMPLEX_TOLERANCE, MAX_STEPS_PER_DIMENSION = 1e-8, 200
 """Distance of a simplex's corners at its end; most of its steps per dimension, as SciPy has it."""
-MIN_DECREASE, MIN_DECREASE_UNFINISHED = 1e-12, 1e-7
+MIN_RESTART_DECREASE, MIN_UNFINISHED_DECREASE = 1e-12, 1e-7
 """Shares by which a simplex has to fall to be started anew: one that ended, and one whose steps ran
 out, as in a valley that leads to infinity."""
 SIMPLEX_STEP_FACTORS = np.array([1.0, 2.0, 0.5, -0.5])[:, None, None]
 """From the centre away from the worst corner: reflection, expansion, contractions on both sides."""
-CROSSOVER_INDEX, MUTATION_INDEX, CROSSOVER_PROBABILITY = 15.0, 20.0, 0.9
+CROSSOVER_DISTRIBUTION_INDEX, MUTATION_DISTRIBUTION_INDEX, CROSSOVER_PROBABILITY = 15.0, 20.0, 0.9
 """Distribution indices η; the share of pairs that are crossed, and of candidates that mutate."""
-EQUAL_VALUE_DISTANCE = 1e-14
+EQUAL_PARENT_DISTANCE = 1e-14
 """Values of parents that are closer are not crossed."""
-Objective = Callable[[Array], Array]
+ObjectiveFunction = Callable[[Array], Array]
 """Values (m,) of a population (m, d)."""
 
 
@@ -32,7 +32,7 @@ class SearchResult:
 
 
 def genetic_search(
-    objective: Objective,
+    objective: ObjectiveFunction,
     *,
     lower: Array,
     upper: Array,
@@ -91,12 +91,12 @@ def crossover(parents: Array, lower: Array, upper: Array, random: np.random.Gene
     A pair's children lie about its parents, spread β times as far apart, with a density of
     ~ β^η up to 1 and β^−(η+2) above, cut at the limits (Deb and Agrawal, Complex Systems 9, 1995).
     """
-    apart = np.abs(parents[0] - parents[1]) > EQUAL_VALUE_DISTANCE
+    apart = np.abs(parents[0] - parents[1]) > EQUAL_PARENT_DISTANCE
     chosen = (random.random(apart.shape) < 0.5) & apart & (lower < upper)
     least, most = (np.broadcast_to(each, apart.shape)[chosen] for each in (lower, upper))
     near, far = np.sort(parents[:, chosen], axis=0)
     part, width = random.random(len(near)), far - near
-    power = np.full(len(near), CROSSOVER_INDEX + 1.0)
+    power = np.full(len(near), CROSSOVER_DISTRIBUTION_INDEX + 1.0)
 
     def spread_factor(distance: Array) -> Array:
         whole = 2.0 - (1.0 + 2.0 * distance / width) ** -power
@@ -121,7 +121,7 @@ def mutation(x: Array, lower: Array, upper: Array, random: np.random.Generator) 
     least, most = (np.broadcast_to(each, x.shape)[chosen] for each in (lower, upper))
     value, width = x[chosen], most - least
     part = random.random(len(value))
-    power = np.full(len(value), MUTATION_INDEX + 1.0)
+    power = np.full(len(value), MUTATION_DISTRIBUTION_INDEX + 1.0)
     down = 2.0 * part + (1.0 - 2.0 * part) * (1.0 - (value - least) / width) ** power
     up = 2.0 * (1.0 - part) + 2.0 * (part - 0.5) * (1.0 - (most - value) / width) ** power
     step = np.where(part <= 0.5, down ** (1.0 / power) - 1.0, 1.0 - up ** (1.0 / power))
@@ -130,7 +130,9 @@ def mutation(x: Array, lower: Array, upper: Array, random: np.random.Generator) 
     return mutants
 
 
-def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> list[SearchResult]:
+def nelder_mead(
+    objective: ObjectiveFunction, starts: Array, *, restarts: int = 50
+) -> list[SearchResult]:
     """Local minima next to starts, shape (k, d), by Nelder-Mead simplexes side by side.
 
     objective is that of genetic_search. A simplex can collapse before it arrives, so it is started
@@ -144,13 +146,15 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
             break
         before = value[falling]
         lower, lower_value, count, ended = _run_simplexes(
-            objective, x[falling], MIN_DECREASE * before
+            objective, x[falling], MIN_RESTART_DECREASE * before
         )
         evaluations[falling] += count
         fell = before - lower_value
         x[falling] = np.where((fell > 0)[:, None], lower, x[falling])
         value[falling] = np.where(fell > 0, lower_value, value[falling])
-        least = np.where(ended, MIN_DECREASE, MIN_DECREASE_UNFINISHED) * value[falling] + 1e-26
+        least = (
+            np.where(ended, MIN_RESTART_DECREASE, MIN_UNFINISHED_DECREASE) * value[falling] + 1e-26
+        )
         falling = falling[fell > least]
     return [
         SearchResult(*minimum)
@@ -159,7 +163,7 @@ def nelder_mead(objective: Objective, starts: Array, *, restarts: int = 50) -> l
 
 
 def _run_simplexes(
-    objective: Objective, starts: Array, tolerance: Array
+    objective: ObjectiveFunction, starts: Array, tolerance: Array
 ) -> tuple[Array, Array, NDArray[np.int64], NDArray[np.bool_]]:
     """Ends of simplexes, shape (k, d), the values there, the evaluations that each needed and
     whether it ended before its steps did, shape (k,).
@@ -175,13 +179,13 @@ def _run_simplexes(
     corners[:, axes + 1, axes] = np.where(starts == 0, 0.00025, 1.05 * starts)
     values = objective(corners.reshape(-1, size)).reshape(count, size + 1)
     evaluations, simplex_rows = np.full(count, size + 1), np.arange(count)[:, None]
-    for iteration in range(MAX_SIMPLEX_STEPS * size):
+    for iteration in range(MAX_STEPS_PER_DIMENSION * size):
         order = np.argsort(values, axis=1)
         corners, values = corners[simplex_rows, order], values[simplex_rows, order]
         apart = np.abs(corners[:, 1:] - corners[:, :1]).max(axis=(1, 2)) > SIMPLEX_TOLERANCE
         apart |= np.abs(values[:, 1:] - values[:, :1]).max(axis=1) > tolerance
         now = np.flatnonzero(apart)
-        if not len(now) or iteration == MAX_SIMPLEX_STEPS * size - 1:
+        if not len(now) or iteration == MAX_STEPS_PER_DIMENSION * size - 1:
             break
         best, second, worst = values[now][:, [0, -2, -1]].T
         centre, last = corners[now, :-1].sum(axis=1) / size, corners[now, -1]

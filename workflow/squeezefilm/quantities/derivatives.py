@@ -13,28 +13,28 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.states import (
     STATE_VALUES_PER_BATCH,
-    error_of_change,
-    groups_on_equal_grids,
+    error_per_grid_change,
+    row_groups_on_equal_grids,
     with_states,
 )
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.packing import equation_numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import profile_error_ratio
-from squeezefilm.reynolds.plan import plan_of
-from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid
-from squeezefilm.solution import DERIVATIVES, Derivatives, Solution, Solutions
+from squeezefilm.reynolds.plan import solve_plan_of
+from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
+from squeezefilm.solution import DERIVATIVE_COLUMNS, Derivatives, Solution, Solutions
 
 # Below this, iterations would end in rounding.
 MIN_FORCE_TOLERANCE = 1e-8
 # A derivative's change from grid to grid is no less than this fraction of the largest of a scene's:
 # without it 15 of 5156 of 200 random films were off by up to 8 times their error.
-MIN_CHANGE_FRACTION = 0.3
+MIN_GRID_CHANGE_FRACTION = 0.3
 # Half of the difference, over the number's unit, and what third order misses of the quotient.
 DIFFERENCE_STEP, DIFFERENCE_STEP_ERROR = 3e-5, 1e-6
 # Fraction of the tolerance, times the step, that the iterations of the two films may leave.
 ITERATION_ERROR_FRACTION_OF_STEP = 0.1
-NEIGHBOUR_NOT_CONVERGED = "not converged: a film beside this one, for the derivatives"
+NEIGHBOUR_FAILED_STATUS = "not converged: a film beside this one, for the derivatives"
 
 
 def with_derivatives(
@@ -57,33 +57,39 @@ def with_derivatives(
     for row, status in zip(known.tolist(), solved.status, strict=True):
         results[row] = Derivatives(status=status)
     device = device or choose_device()
-    for rows in groups_on_equal_grids(films, solved, numbers=STATE_VALUES_PER_BATCH):
-        of_group = _derivatives(films[rows], solved[rows], tolerance=tolerance, device=device)
+    for rows in row_groups_on_equal_grids(films, solved, numbers=STATE_VALUES_PER_BATCH):
+        of_group = _derivatives_of_group(
+            films[rows], solved[rows], tolerance=tolerance, device=device
+        )
         for row, derivatives_of_scene in zip(known[rows].tolist(), of_group, strict=True):
             results[row] = derivatives_of_scene
-    return solutions.with_column("derivatives", results)
+    return solutions.with_replaced_column("derivatives", results)
 
 
-def _derivatives(
+def _derivatives_of_group(
     scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device
 ) -> list[Derivatives]:
     """Derivatives of scenes of like terms, by two grids."""
-    before, _ = _force_growths_on_grid(scenes, solutions, 0, tolerance=tolerance, device=device)
-    growth, missed = _force_growths_on_grid(
+    before, _ = _scaled_derivatives_on_grid(
+        scenes, solutions, 0, tolerance=tolerance, device=device
+    )
+    growth, missed = _scaled_derivatives_on_grid(
         scenes, solutions, 1, tolerance=tolerance, device=device
     )
     change = np.abs(growth - before)
     # A derivative may agree by chance, or be small because its parts cancel; not all do.
     with np.errstate(invalid="ignore"):
         largest = np.fmax.reduce(change, axis=0)
-        change = np.where(growth != 0, np.fmax(change, MIN_CHANGE_FRACTION * largest), 0.0)
-    factor, _ = error_of_change(scenes, solutions, tolerance=tolerance)
+        change = np.where(growth != 0, np.fmax(change, MIN_GRID_CHANGE_FRACTION * largest), 0.0)
+    factor, _ = error_per_grid_change(scenes, solutions, tolerance=tolerance)
     error = factor * change + missed
     coarse, fine = (state.grid for state in solutions.states[0])
-    falls = profile_error_ratio(plan_of(scenes), coarse.across, fine.across, tolerance=tolerance)
+    falls = profile_error_ratio(
+        solve_plan_of(scenes), coarse.across, fine.across, tolerance=tolerance
+    )
     # What grids miss of a force by a profile that they do not resolve changes with the place as
     # fast as their shortest wave, π times the nodes; and two grids may agree on it by chance.
-    for k, nodes in zip(map([*DERIVATIVES].index, ("x_m", "y_m")), fine.across, strict=True):
+    for k, nodes in zip(map([*DERIVATIVE_COLUMNS].index, ("x_m", "y_m")), fine.across, strict=True):
         nodes = fine.across[0] if fine.coordinates else nodes
         unresolved_n = np.where(falls > 0, np.pi * nodes * solutions.force_error_n, 0.0)
         error[k] = np.where(growth[k] != 0, np.fmax(error[k], unresolved_n), error[k])
@@ -92,7 +98,7 @@ def _derivatives(
     ]
 
 
-def _force_growths_on_grid(
+def _scaled_derivatives_on_grid(
     scenes: Scenes, solutions: Solutions, grid_index: int, *, tolerance: float, device: Device
 ) -> tuple[np.ndarray, np.ndarray]:
     """The mean forces' growth with each number times its unit (``_scale_of_quantity``), by one
@@ -104,11 +110,11 @@ def _force_growths_on_grid(
     """
     own = [states[grid_index] for states in solutions.states]
     grid, state = own[0].grid, np.stack([each.unknowns for each in own])
-    growth, missed = np.full((2, len(DERIVATIVES), len(scenes)), np.nan)
+    growth, missed = np.full((2, len(DERIVATIVE_COLUMNS), len(scenes)), np.nan)
     folded = {"x_m": grid.fold_x, "y_m": grid.fold_y}
-    for k, quantity in enumerate(DERIVATIVES):
+    for k, quantity in enumerate(DERIVATIVE_COLUMNS):
         beside = [
-            with_number_changed(
+            scene_with_quantity_changed(
                 scene, quantity, sign * DIFFERENCE_STEP * _scale_of_quantity(scene, quantity)
             )
             for sign in (1, -1)
@@ -126,7 +132,7 @@ def _force_growths_on_grid(
             )
             missed[k] = 0.0
             continue
-        if unsupported_on_grid(beside[0], terms_of(beside[0])):
+        if unsupported_on_grid_reason(beside[0], terms_of(beside[0])):
             continue
         states = solve_batch(
             beside,
@@ -137,7 +143,9 @@ def _force_growths_on_grid(
         )
         known = states.status == 0
         forces_n = np.where(known, states.mean * scale, np.nan).reshape(2, -1)
-        left_n = (states.results["residual"] * scale).reshape(2, -1).sum(axis=0) / scenes.narrowest
+        left_n = (states.results["residual"] * scale).reshape(2, -1).sum(
+            axis=0
+        ) / scenes.narrowest_gap_ratio
         growth[k] = (forces_n[0] - forces_n[1]) / (2 * DIFFERENCE_STEP)
         missed[k] = left_n / (2 * DIFFERENCE_STEP) + DIFFERENCE_STEP_ERROR * np.abs(growth[k])
     return growth, missed
@@ -152,19 +160,19 @@ def _equation_key(scene: Scene) -> object:
 def _derivatives_of_scene(scene: Scene, growth: np.ndarray, error: np.ndarray) -> Derivatives:
     """A scene's derivatives, those to its place turned into the actuator's axes."""
     # A gas with thermal effects has no other polytropic exponent: that derivative alone is missing.
-    needed = [name != "polytropic_exponent" for name in DERIVATIVES]
+    needed = [name != "polytropic_exponent" for name in DERIVATIVE_COLUMNS]
     if not np.isfinite(error[needed]).all():
-        return Derivatives(status=NEIGHBOUR_NOT_CONVERGED)
-    units, pad = [_scale_of_quantity(scene, quantity) for quantity in DERIVATIVES], scene.pad
-    values = dict(zip(DERIVATIVES, (growth / units).tolist(), strict=True))
-    errors = dict(zip(DERIVATIVES, (error / units).tolist(), strict=True))
+        return Derivatives(status=NEIGHBOUR_FAILED_STATUS)
+    units, pad = [_scale_of_quantity(scene, quantity) for quantity in DERIVATIVE_COLUMNS], scene.pad
+    values = dict(zip(DERIVATIVE_COLUMNS, (growth / units).tolist(), strict=True))
+    errors = dict(zip(DERIVATIVE_COLUMNS, (error / units).tolist(), strict=True))
     values["x_m"], values["y_m"] = pad.turned(values["x_m"], values["y_m"])
     from_x, from_y = pad.turned(errors["x_m"], 0.0), pad.turned(0.0, errors["y_m"])
     errors["x_m"], errors["y_m"] = (abs(a) + abs(b) for a, b in zip(from_x, from_y, strict=True))
     return Derivatives(value=values, error=errors, status="ok")
 
 
-def with_number_changed(scene: Scene, quantity: str, by: float) -> Scene:
+def scene_with_quantity_changed(scene: Scene, quantity: str, by: float) -> Scene:
     """The scene with another number; ``x_m`` and ``y_m`` are along the pad's own axes."""
     if quantity in ("x_m", "y_m"):
         x_m, y_m = scene.pad.turned(*((by, 0.0) if quantity == "x_m" else (0.0, by)))

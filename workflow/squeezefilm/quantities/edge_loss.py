@@ -18,26 +18,26 @@ from functools import lru_cache, partial
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.fields import Fields, apply_along_axis, dot, fold_even_columns
+from squeezefilm.quantities.fields import Fields, apply_matrix_along_axis, dot, fold_even_columns
 from squeezefilm.quantities.sheared_gas import wall_speed, wall_velocity
-from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed
+from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.reynolds.terms.rarefaction import (
-    flow_factor_derivatives,
-    slip_coefficients,
+    slip_coefficient_and_argument,
     slip_flow,
+    slip_flow_derivatives,
 )
 from squeezefilm.solution import Solution
 
 # Coefficients C of a plug and of a parabola.
-COEFFICIENTS = (1.0, 1.54)
+EDGE_LOSS_COEFFICIENTS = (1.0, 1.54)
 # Relative error of the force that an iteration of the state may leave.
 STATE_FORCE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
-CONVERGED_EFFECT_CHANGE, MAX_EDGE_ITERATIONS = 3e-3, 30
+EFFECT_CHANGE_TOLERANCE, MAX_EDGE_ITERATIONS = 3e-3, 30
 # Part of that which the next change may take, if expected by the fall of the last two.
-EXPECTED_CHANGE_MARGIN = 20
+EXPECTED_CHANGE_SAFETY_FACTOR = 20
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
 # first no state may be found of a film of large amplitude, at the second rounding counts more.
 TRIAL_EDGE_PRESSURE_RATIOS = (1e-3, 1e-4)
@@ -52,14 +52,18 @@ def edge_loss_changes(
         solutions: of the scenes, with their states on two grids.
 
     Returns:
-        Changes and errors for each of COEFFICIENTS, shape (2, coefficients, scenes); NaN where a
-        solution has no states, or the iteration does not settle.
+        Changes and errors for each of EDGE_LOSS_COEFFICIENTS, shape (2, coefficients, scenes); NaN
+        where a solution has no states, or the iteration does not settle.
     """
-    on_grid = partial(_changes_on_grid, device=device)
+    on_grid = partial(_edge_loss_changes_on_grid, device=device)
     changes = force_changes_and_errors(
-        scenes, solutions, on_grid, changes=len(COEFFICIENTS), tolerance=STATE_FORCE_TOLERANCE
+        scenes,
+        solutions,
+        on_grid,
+        changes=len(EDGE_LOSS_COEFFICIENTS),
+        tolerance=STATE_FORCE_TOLERANCE,
     )
-    changes[1] += CONVERGED_EFFECT_CHANGE * np.abs(changes[0])
+    changes[1] += EFFECT_CHANGE_TOLERANCE * np.abs(changes[0])
     return changes
 
 
@@ -93,35 +97,38 @@ def ram_pressure_changes(
     return changes * np.array(ram)
 
 
-def _changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
+def _edge_loss_changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
     """Changes of the mean pressure over it on one grid, (coefficients, scenes)."""
-    count, copies = len(films.scenes), 1 + len(COEFFICIENTS)
-    rows, coefficients = np.tile(np.arange(count), copies), np.repeat([0.0, *COEFFICIENTS], count)
+    count, copies = len(films.scenes), 1 + len(EDGE_LOSS_COEFFICIENTS)
+    rows, coefficients = (
+        np.tile(np.arange(count), copies),
+        np.repeat([0.0, *EDGE_LOSS_COEFFICIENTS], count),
+    )
     films = films.at(rows)
     change = np.zeros(len(rows))
     step, moved = np.ones(len(rows)), np.full(len(rows), np.inf)
     difference = np.zeros(len(rows))
     for _ in range(MAX_EDGE_ITERATIONS):
-        move = edge_pressure_of_inflow(films, coefficients) - films.edge
+        move = edge_pressure_of_inflow(films, coefficients) - films.edge_gauge_pressure
         before, moved = moved, np.abs(move).max(axis=(1, 2, 3))
         # High harmonics of a large loss overshoot.
         step = np.where(moved > before, step / 4, step)
-        edge = films.edge + step[:, None, None, None] * move
+        edge = films.edge_gauge_pressure + step[:, None, None, None] * move
         tried, mean = solve_with_edge_pressure(films, edge, device=device)
         failed, without_loss = np.isnan(mean), np.tile(mean[:count], copies)
         last, change = change, np.where(failed, change, mean / without_loss - 1)
         earlier, difference = difference, np.abs(change - last)
-        allowed = step * CONVERGED_EFFECT_CHANGE * np.abs(change)
+        allowed = step * EFFECT_CHANGE_TOLERANCE * np.abs(change)
         # Or where the next difference, by the fall of the last two, is far below that.
         settled = ~failed & (
             (difference <= allowed / 2)
-            | (difference**2 <= allowed / EXPECTED_CHANGE_MARGIN * earlier)
+            | (difference**2 <= allowed / EXPECTED_CHANGE_SAFETY_FACTOR * earlier)
         )
         # Where Newton's method does not follow, a shorter step is tried.
         keep = failed[:, None, None, None]
         films = replace(
             films,
-            edge=np.where(keep, films.edge, edge),
+            edge_gauge_pressure=np.where(keep, films.edge_gauge_pressure, edge),
             unknowns=np.where(keep[..., None], films.unknowns, tried.unknowns),
         )
         step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
@@ -135,8 +142,8 @@ def solve_with_edge_pressure(
     films: Fields, edge: np.ndarray, *, device: Device
 ) -> tuple[Fields, np.ndarray]:
     """Return states with a pressure on the edge, and their means, NaN where there is none."""
-    films = replace(films, edge=edge)
-    return solve_perturbed(
+    films = replace(films, edge_gauge_pressure=edge)
+    return solve_perturbed_states(
         films, edge_pressure_arrays(films), tolerance=STATE_FORCE_TOLERANCE, device=device
     )
 
@@ -164,24 +171,24 @@ def edge_pressure_arrays(films: Fields) -> dict[str, np.ndarray]:
     powers = gap * np.sqrt(gap), gap  # np.power takes ten times longer
     added = {"edge_flow": np.zeros_like(gap)}
     for k, (axis, name) in enumerate(zip(films.axes_with_ends, "xy", strict=False)):
-        values, slope, second = _matrices_from_edge(axis, films.lengths[k])
-        edge = films.edge[films.inner_nodes_across(k)]
-        added[f"edge_values_{name}"] = apply_along_axis(k, values, edge)
-        added[f"edge_slope_{name}"] = apply_along_axis(k, slope, edge)
+        values, slope, second = _node_to_flux_matrices(axis, films.axis_lengths[k])
+        edge = films.edge_gauge_pressure[films.inner_slices_across(k)]
+        added[f"edge_values_{name}"] = apply_matrix_along_axis(k, values, edge)
+        added[f"edge_slope_{name}"] = apply_matrix_along_axis(k, slope, edge)
         for power, flow in zip(powers, flows, strict=False):
-            added["edge_flow"] += power * apply_along_axis(
-                k, second, flow[films.inner_nodes_across(k)]
+            added["edge_flow"] += power * apply_matrix_along_axis(
+                k, second, flow[films.inner_slices_across(k)]
             )
     return added
 
 
 @lru_cache(maxsize=64)
-def _matrices_from_edge(axis: Axis, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _node_to_flux_matrices(axis: Axis, length: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return matrices from all nodes to values and slopes at flux points, and divergences inside.
 
     Of functions that are even about the middle of a folded axis.
     """
-    values = FluxPoints(axis).from_all_nodes
+    values = FluxPoints(axis).matrix_from_all_nodes
     slope = values @ axis.derivative / length
     second = (axis.divergence @ axis.derivative)[axis.inner] / length**2
     return (
@@ -193,17 +200,17 @@ def _matrices_from_edge(axis: Axis, length: float) -> tuple[np.ndarray, np.ndarr
 
 def _edge_flow_potentials(films: Fields) -> list[np.ndarray]:
     """v of each flow term on the edge, c_k H^((3−k)/2) (g_k(P) − g_k(1)); inside it is 0."""
-    gap, rise = films.gap, films.edge
-    power, root = 1 + films.numbers("inverse_exponent", absent=1.0), np.sqrt(gap)
+    gap, rise = films.gap, films.edge_gauge_pressure
+    power, root = 1 + films.equation_numbers("inverse_exponent", absent=1.0), np.sqrt(gap)
     # Isothermal, (P² − 1)/2.
     potential = rise * (1 + rise / 2) if np.all(power == 2) else ((1 + rise) ** power - 1) / power
     flows = [gap * root * potential]
-    if films.equation["flow"].shape[1] > 1:
-        slip, inverse = slip_coefficients(films.equation, gap)
+    if films.equation_number_table["flow"].shape[1] > 1:
+        slip, inverse = slip_coefficient_and_argument(films.equation_number_table, gap)
         if inverse is None:
             flows.append(slip * gap * rise)
         else:  # to first order in the pressure, as flow_from splits the flow
-            growth = flow_factor_derivatives(inverse)[0]
+            growth = slip_flow_derivatives(inverse)[0]
             flows[0] = flows[0] + root * slip * growth * rise
             flows.append(slip * gap * (slip_flow(inverse) - growth) * rise)
     return flows

@@ -16,14 +16,14 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.packing import common_terms, equation_numbers_table, gap_parts
+from squeezefilm.reynolds.packing import common_terms, equation_numbers_table, gap_components
 from squeezefilm.reynolds.spectral import AngleAxis, Axis, FluxPoints, even_and_odd_matrices
 from squeezefilm.reynolds.terms import Terms
-from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
+from squeezefilm.reynolds.terms.rarefaction import flow_to_viscous_ratio
 
 
 @lru_cache(maxsize=64)
-def weights_with_edge(axis: Axis | AngleAxis) -> np.ndarray:
+def integration_weights_with_edge(axis: Axis | AngleAxis) -> np.ndarray:
     """Return the weights of the integral along an axis, those of its edge nodes included, (m,).
 
     A folded axis holds one edge node and the first half of the others.
@@ -37,7 +37,7 @@ def weights_with_edge(axis: Axis | AngleAxis) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
-def derivatives_with_edge(axis: Axis | AngleAxis) -> tuple[np.ndarray, np.ndarray]:
+def derivative_matrices_with_edge(axis: Axis | AngleAxis) -> tuple[np.ndarray, np.ndarray]:
     """Derivative of an even and of an odd function on all nodes, (m, m); alike if not folded.
 
     A folded axis holds one edge node and the first half of the others, on which a function even
@@ -50,9 +50,9 @@ def derivatives_with_edge(axis: Axis | AngleAxis) -> tuple[np.ndarray, np.ndarra
 
 
 @lru_cache(maxsize=64)
-def to_nodes_from_flux_points(axis: Axis) -> np.ndarray:
+def flux_to_node_matrix(axis: Axis) -> np.ndarray:
     """Return the matrix to all nodes from the flux points of a velocity along the axis, (m, n)."""
-    nodes = axis.all_nodes[: len(weights_with_edge(axis))]
+    nodes = axis.all_nodes[: len(integration_weights_with_edge(axis))]
     return axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
 
 
@@ -63,25 +63,25 @@ class Fields:
     Attributes:
         unknowns: P − 1 and the deficits of the velocity at the unknowns, (scenes, fields, nx, ny,
             nt).
-        edge: P − 1 on the film's edge, a field that is zero inside and at corners.
+        edge_gauge_pressure: P − 1 on the film's edge, a field that is zero inside and at corners.
         terms: those that the scenes have.
-        equation: the numbers of each scene's equation; they come as columns, to go with fields:
-            ``number``.
-        rest_gap, gap: H at rest, and H.
+        equation_number_table: the numbers of each scene's equation; they come as columns, to go
+            with fields: ``number``.
+        static_gap, gap: H at rest, and H.
         area, turn, bend: those of an outline at the nodes (grid.py), (x, y, 1).
     """
 
     scenes: Scenes
     grid: Grid
     unknowns: np.ndarray
-    edge: np.ndarray
+    edge_gauge_pressure: np.ndarray
     terms: Terms
-    equation: np.ndarray
-    rest_gap: np.ndarray
+    equation_number_table: np.ndarray
+    static_gap: np.ndarray
     gap: np.ndarray
     area: np.ndarray
-    map_slope: np.ndarray
-    map_log_slope: np.ndarray
+    conformal_map_slope: np.ndarray
+    conformal_map_log_slope: np.ndarray
 
     @classmethod
     def of(cls, scenes: Sequence[Scene], grid: Grid, unknowns: np.ndarray) -> Self:
@@ -89,21 +89,28 @@ class Fields:
         scenes = Scenes.of(scenes)
         terms = common_terms(scenes)
         equation = equation_numbers_table(scenes, terms)
-        nodes = (slice(len(weights_with_edge(axis))) for axis in (grid.x, grid.y))
-        parts = gap_parts(scenes, grid).swapaxes(0, 1)[..., *nodes, None]
-        rest_gap = 1 + equation_number(equation, "per_rise", absent=0.0) * sum(parts[2:])
-        moving = equation_number(equation, "epsilon", absent=0.0) * parts[:2]
+        nodes = (slice(len(integration_weights_with_edge(axis))) for axis in (grid.x, grid.y))
+        parts = gap_components(scenes, grid).swapaxes(0, 1)[..., *nodes, None]
+        rest_gap = 1 + equation_number_column(equation, "per_rise", absent=0.0) * sum(parts[2:])
+        moving = equation_number_column(equation, "epsilon", absent=0.0) * parts[:2]
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         gap = rest_gap + sum(map(np.multiply, moving, (sine, cosine)))
         across = grid.x.all_nodes[: gap.shape[1]]
-        along = (grid.area, grid.map_slope, grid.map_log_slope)
+        along = (grid.area, grid.conformal_map_slope, grid.conformal_map_log_slope)
         outline = (np.asarray(at(across))[..., None] for at in along)
         ambient = np.zeros_like(gap)
         return cls(scenes, grid, unknowns, ambient, terms, equation, rest_gap, gap, *outline)
 
     def at(self, rows: np.ndarray | slice) -> Self:
         """The states of some of the films, which may come more than once."""
-        by_scene = ("scenes", "unknowns", "edge", "equation", "rest_gap", "gap")
+        by_scene = (
+            "scenes",
+            "unknowns",
+            "edge_gauge_pressure",
+            "equation_number_table",
+            "static_gap",
+            "gap",
+        )
         return replace(self, **{name: getattr(self, name)[rows] for name in by_scene})
 
     @property
@@ -112,11 +119,11 @@ class Fields:
         return slice(None), self.grid.x.inner, self.grid.y.inner
 
     @cached_property
-    def lengths(self) -> tuple[float, float]:
+    def axis_lengths(self) -> tuple[float, float]:
         """The lengths of the axes."""
-        return self.grid.lengths(self.scenes[0].aspect)
+        return self.grid.axis_lengths(self.scenes[0].aspect)
 
-    def inner_nodes_across(self, k: int) -> tuple[slice, ...]:
+    def inner_slices_across(self, k: int) -> tuple[slice, ...]:
         """The nodes of all of one axis and of the other's inside, of x for k = 0 and y for 1."""
         return tuple(slice(None) if at == 1 + k else part for at, part in enumerate(self.inner))
 
@@ -133,7 +140,7 @@ class Fields:
         """
         inward = np.zeros((2, 1, *self.gap.shape[1:3], 1))
         for k, axis in enumerate(self.axes_with_ends):
-            at_ends = np.moveaxis(inward[k][self.inner_nodes_across(k)], 1 + k, 0)
+            at_ends = np.moveaxis(inward[k][self.inner_slices_across(k)], 1 + k, 0)
             at_ends[0] = 1.0
             if not axis.folded:
                 at_ends[-1] = -1.0
@@ -141,35 +148,37 @@ class Fields:
 
     def mean(self, values: np.ndarray) -> np.ndarray:
         """Mean over film and period, shape (..., scenes)."""
-        along, around = (weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
-        over_pad = self.area[..., 0] * self.grid.mean_area * np.multiply.outer(along, around)
+        along, around = (integration_weights_with_edge(axis) for axis in (self.grid.x, self.grid.y))
+        over_pad = (
+            self.area[..., 0] * self.grid.inverse_mean_area * np.multiply.outer(along, around)
+        )
         return np.asarray((values.mean(axis=-1) * over_pad).sum(axis=(-2, -1)))
 
-    def numbers(self, name: str, *, absent: float) -> np.ndarray:
+    def equation_numbers(self, name: str, *, absent: float) -> np.ndarray:
         """A number that a term gives the scenes, a column, or what it is without the term."""
-        return equation_number(self.equation, name, absent=absent)
+        return equation_number_column(self.equation_number_table, name, absent=absent)
 
     def to_pad_axes(self, vector: np.ndarray) -> np.ndarray:
         """Return a vector field (2, ..., scenes, x, y, t) along the pad's x and y, for its mean."""
         if self.grid.outline is None:
             return vector
-        turned = (vector[0] + 1j * vector[1]) * (self.map_slope / self.area)
+        turned = (vector[0] + 1j * vector[1]) * (self.conformal_map_slope / self.area)
         return np.stack([turned.real, turned.imag])
 
     @cached_property
     def gauge_pressure_ratio(self) -> np.ndarray:
         """P − 1."""
-        everywhere = self.edge.copy()
+        everywhere = self.edge_gauge_pressure.copy()
         everywhere[self.inner] = self.unknowns[:, 0]
         return everywhere
 
     @cached_property
     def sigma(self) -> np.ndarray:
-        return self.numbers("sigma", absent=nan)
+        return self.equation_numbers("sigma", absent=nan)
 
     @cached_property
     def density(self) -> np.ndarray:
-        exponent = self.numbers("inverse_exponent", absent=1.0)
+        exponent = self.equation_numbers("inverse_exponent", absent=1.0)
         pressure = 1 + self.gauge_pressure_ratio
         return pressure if np.all(exponent == 1) else np.asarray(pressure**exponent)
 
@@ -203,32 +212,36 @@ class Fields:
         """ū at the ends of x and of y along each: ``velocity`` less its deficit by inertia."""
         velocity = self.velocity.copy()
         for k, axis in enumerate(self.axes_with_ends if self.unknowns.shape[1] > 1 else ()):
-            velocity[k][self.inner_nodes_across(k)] -= apply_along_axis(
-                k, to_nodes_from_flux_points(axis), self.unknowns[:, 1 + k]
+            velocity[k][self.inner_slices_across(k)] -= apply_matrix_along_axis(
+                k, flux_to_node_matrix(axis), self.unknowns[:, 1 + k]
             )
         return velocity
 
     @cached_property
     def mobility(self) -> np.ndarray:
         """H² W, by which a slope of pressure drives gas: W is the flow over a viscous gas'."""
-        return np.asarray(flow_over_viscous(self.equation, self.mass) * self.gap**2)
+        return np.asarray(
+            flow_to_viscous_ratio(self.equation_number_table, self.mass) * self.gap**2
+        )
 
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
-        matrix = derivatives_with_edge(self.grid.x)[int(odd)] / self.lengths[0]
+        matrix = derivative_matrices_with_edge(self.grid.x)[int(odd)] / self.axis_lengths[0]
         rows = matrix @ values.reshape(*values.shape[:2], -1)
         return np.asarray(rows.reshape(values.shape))
 
     def y_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
-        matrix = derivatives_with_edge(self.grid.y)[int(odd)] / self.lengths[1]
+        matrix = derivative_matrices_with_edge(self.grid.y)[int(odd)] / self.axis_lengths[1]
         return np.asarray(matrix @ values)
 
-    def pad_x_slope(self, values: np.ndarray) -> np.ndarray:
+    def pad_x_derivative(self, values: np.ndarray) -> np.ndarray:
         """∂/∂X along the pad's own x axis."""
         if self.grid.outline is None:
             return self.x_derivative(values)
         along, around = self.x_derivative(values), self.y_derivative(values)
-        return np.asarray(self.map_slope.real * along - self.map_slope.imag * around)
+        return np.asarray(
+            self.conformal_map_slope.real * along - self.conformal_map_slope.imag * around
+        )
 
     def t_derivative(self, values: np.ndarray) -> np.ndarray:
         return np.asarray(values @ self.grid.t.derivative.T)
@@ -236,24 +249,24 @@ class Fields:
     def divergence(self, flux: np.ndarray) -> np.ndarray:
         return self.x_derivative(flux[0], odd=True) + self.y_derivative(flux[1], odd=True)
 
-    def convected(self, v: np.ndarray) -> np.ndarray:
+    def convective_acceleration(self, v: np.ndarray) -> np.ndarray:
         """(v·∇)v of a velocity (reynolds/terms/inertia.py)."""
         along = self.x_derivative(v[0], odd=True), self.x_derivative(v[1])
         across = self.y_derivative(v[0]), self.y_derivative(v[1], odd=True)
-        bends = -self.map_log_slope.real, self.map_log_slope.imag
+        bends = -self.conformal_map_log_slope.real, self.conformal_map_log_slope.imag
         square = dot(v, v) if self.grid.outline else 0.0
         parts = zip(along, across, bends, strict=True)
         return np.stack([v[0] * x + v[1] * y + bend * square for x, y, bend in parts]) / self.area
 
 
-def equation_number(equation: np.ndarray, name: str, *, absent: float) -> np.ndarray:
+def equation_number_column(equation: np.ndarray, name: str, *, absent: float) -> np.ndarray:
     """Return a number of scenes' equation, (scenes, 1, 1, 1), or what it is where there is none."""
     known = name in (equation.dtype.names or ())
     values = equation[name] if known else np.full(len(equation), absent)
     return np.asarray(values)[:, None, None, None]
 
 
-def apply_along_axis(k: int, matrix: np.ndarray, field: np.ndarray) -> np.ndarray:
+def apply_matrix_along_axis(k: int, matrix: np.ndarray, field: np.ndarray) -> np.ndarray:
     """Return a matrix times a field along x for k = 0, along y for 1."""
     return np.moveaxis(np.tensordot(matrix, field, axes=(1, 1 + k)), 0, 1 + k)
 

@@ -25,7 +25,7 @@ from squeezefilm.film.validity import THICK_FILM_SIGMA
 from squeezefilm.quantities import edge_loss, moving_profile, sheared_gas
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid
+from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
 from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.rarefaction import slip_flow
 from squeezefilm.reynolds.terms.term import Term
@@ -45,13 +45,13 @@ SCENES_PER_BUDGET_BATCH = 128
 # Terms that a study may leave to be decided, in the order in which they are.
 AUTO_TERMS: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
-SLIDING_EFFECTS = ("sheared_gas", "moving_profile", "ram_pressure")
+SLIDING_EFFECT_NAMES = ("sheared_gas", "moving_profile", "ram_pressure")
 EFFECT_NAMES = (
-    *(*AUTO_TERMS, "depth_averaged", *SLIDING_EFFECTS),
+    *(*AUTO_TERMS, "depth_averaged", *SLIDING_EFFECT_NAMES),
     *("slip", "flow_factor", "edge_loss", "bearing"),
 )
 # Name of all neglected effects at once, where each alone was solved for.
-ALL_EFFECTS = "all effects together"
+ALL_EFFECTS_LABEL = "all effects together"
 
 
 class Effect(NamedTuple):
@@ -100,21 +100,21 @@ class ErrorBudget:
     status: str = "ok"
 
     @property
-    def neglected(self) -> dict[str, Effect]:
+    def neglected_effects(self) -> dict[str, Effect]:
         """The effects that the force does not have."""
         return {name: effect for name, effect in self.effects.items() if not effect.included}
 
     @property
-    def unknown(self) -> list[str]:
+    def unknown_effect_names(self) -> list[str]:
         """The names of neglected effects that could not be solved for, or that of all together."""
-        alone = [name for name, effect in self.neglected.items() if isnan(effect.percent)]
+        alone = [name for name, effect in self.neglected_effects.items() if isnan(effect.percent)]
         together_known = isfinite(sum(self.modelling_error_percent))
-        return alone if alone or together_known else [ALL_EFFECTS]
+        return alone if alone or together_known else [ALL_EFFECTS_LABEL]
 
     @property
     def higher_orders_percent(self) -> float:
         """Difference of all neglected effects together from the sum of each alone."""
-        alone = sum(effect.percent for effect in self.neglected.values())
+        alone = sum(effect.percent for effect in self.neglected_effects.values())
         alone += (self.edge_loss_upper_percent - self.effects["edge_loss"].percent) / 2
         return sum(self.modelling_error_percent) / 2 - alone
 
@@ -123,7 +123,7 @@ class ErrorBudget:
         """Largest size of the modelling error; of the known effects alone where one is unknown."""
         if isfinite(sum(self.modelling_error_percent)):
             return max(map(abs, self.modelling_error_percent))
-        known = [effect for effect in self.neglected.values() if not isnan(effect.percent)]
+        known = [effect for effect in self.neglected_effects.values() if not isnan(effect.percent)]
         return sum(abs(effect.percent) + effect.error_percent for effect in known)
 
 
@@ -182,7 +182,7 @@ class EffectVariants:
             with_effect = self.reference.with_gas(**{name: "included"})
             if getattr(gas, name) == "included":
                 self.pairs[name] = scene, scene.with_gas(**{name: "none"})
-            elif unsupported_on_grid(with_effect, terms_of(with_effect)):
+            elif unsupported_on_grid_reason(with_effect, terms_of(with_effect)):
                 self.unsolvable.append(name)
             else:
                 self.pairs[name] = with_effect, self.reference
@@ -212,7 +212,7 @@ class EffectVariants:
         return bool(self.scene.epsilon or self.still)
 
     @property
-    def variants_by_gas_terms(self) -> list[tuple[Scene, Scene]]:
+    def gas_term_variant_pairs(self) -> list[tuple[Scene, Scene]]:
         """The films with and without inertia, and with and without thermal effects."""
         return [self.pairs.get(name, (self.reference,) * 2) for name in AUTO_TERMS]
 
@@ -226,7 +226,7 @@ class EffectVariants:
     def scenes(self) -> list[Scene]:
         """Return all variants; equal ones may occur."""
         still = (
-            [self.still.together, *chain(*self.still.variants_by_gas_terms)] if self.still else []
+            [self.still.together, *chain(*self.still.gas_term_variant_pairs)] if self.still else []
         )
         return [*self.variants_of_same_motion, *self.pairs.get("bearing", ()), *still]
 
@@ -279,7 +279,7 @@ def _effects_resolved(film: EffectVariants, solutions: Mapping[Scene, Solution])
         return True
     forces_n = [solutions[each].force_n for each in film.variants_of_same_motion]
     error_n = max(solution.force_error_n for solution in known)
-    dearest = max(solution.work for solution in known)
+    dearest = max(solution.operation_count for solution in known)
     return dearest > EXPENSIVE_OPERATION_COUNT or error_n <= RELATIVE_EFFECT_TOLERANCE * (
         max(forces_n) - min(forces_n)
     )
@@ -313,7 +313,7 @@ def _error_budget_of_variants(
         effects[name] = Effect(percent, error + doubt * abs(percent) * (not included), included)
     for name in film.unsolvable:
         effects[name] = UNKNOWN_EFFECT
-    effects["depth_averaged"] = Effect(*depth_averaging_percent(film.together))
+    effects["depth_averaged"] = Effect(*depth_averaging_change_percent(film.together))
     (edge, edge_upper), (edge_error, _) = 100 * changes["edge_loss"][scene]
     effects["edge_loss"] = Effect(float(edge), float(edge_error))
     together, error = change_percent(film.together, film.reference)
@@ -329,7 +329,7 @@ def _error_budget_of_variants(
         effects |= _sliding_effects(film, solutions, changes)
     ends, errors = 100 * with_all * changes["edge_loss"][film.together]
     error += max(map(abs, errors))
-    for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECTS):
+    for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECT_NAMES):
         together += effects[name].percent
         error += effects[name].error_percent
     if film.unsolvable:
@@ -350,29 +350,29 @@ def _sliding_effects(
     """Return the effects beside the Couette flow that a pad's sliding has, of OF_SLIDING."""
     scene, together, own_n = film.scene, film.together, solutions[film.scene].force_n
 
-    def percent(name: str) -> tuple[float, float]:
+    def effect_percent(name: str) -> tuple[float, float]:
         change, error = changes[name][together][:, 0] * solutions[together].force_n / own_n
         return 100 * float(change), 100 * abs(float(error))
 
     def gas_effects_n(film: EffectVariants) -> np.ndarray:
         """Changes of the force by inertia, by thermal effects and by gas that the wall drags."""
         forces_n = [
-            [solutions[each].force_n for each in pair] for pair in film.variants_by_gas_terms
+            [solutions[each].force_n for each in pair] for pair in film.gas_term_variant_pairs
         ]
         dragged = changes["sheared_gas"][film.together][0, 0]
         return np.append(-np.diff(forces_n), solutions[film.together].force_n * dragged)
 
-    sheared, error = percent("sheared_gas")
+    sheared, error = effect_percent("sheared_gas")
     effects_n = gas_effects_n(film)
     by_vibration_n = effects_n - gas_effects_n(film.still) if film.still else effects_n
     size_n, vibrating_n = (float(np.abs(each).sum()) for each in (effects_n, by_vibration_n))
-    missed = sheared_gas.remainder_of_scene(scene, vibrating=vibrating_n / size_n)
+    missed = sheared_gas.first_order_remainder_of_scene(scene, vibrating=vibrating_n / size_n)
     error += 100 * missed * size_n / abs(own_n)
     error += 6 * scene.knudsen * abs(sheared)  # of the wall's velocity no slip is known
-    ram, ram_error = percent("ram_pressure")
+    ram, ram_error = effect_percent("ram_pressure")
     effects = {
         "sheared_gas": Effect(sheared, nan if film.unsolvable else float(error)),
-        "moving_profile": Effect(*percent("moving_profile")),
+        "moving_profile": Effect(*effect_percent("moving_profile")),
         "ram_pressure": Effect(0.0, abs(ram) + ram_error),
     }
     return {
@@ -384,7 +384,7 @@ def _sliding_effects(
 # Mean force of a square piston at second order of small motion, over ε² and p0 times the pad's
 # area, with the depth-averaged terms and resolved across the gap: isothermal velocity; or, where
 # thermal is 1, temperature too (Pr 0.71, γ 1.4, κ 0.7; the solver's averaged force at ε = 0.005).
-DEPTH_AVERAGING_TABLE = Path(__file__).with_name("depth_averaged.csv")
+DEPTH_AVERAGING_FILE = Path(__file__).with_name("depth_averaged.csv")
 # Below THICK_FILM_SIGMA strips that resolve the profiles were compared up to this Re, and no
 # further.
 MAX_REYNOLDS_OF_THICK_FILM = 2.0
@@ -394,7 +394,7 @@ DEPTH_ERROR_FRACTION, DEPTH_ERROR_PER_EPSILON = 0.7, 1.0
 THICK_DEPTH_ERROR_FRACTION, THICK_DEPTH_ERROR_PER_EPSILON = 2.0, 5.0
 
 
-def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
+def depth_averaging_change_percent(scene: Scene) -> tuple[float, float]:
     """Return a force's change (%) by profiles resolved across the gap, and its error.
 
     An estimate for depth-averaged inertia and thermal effects: a parabola stands for each profile.
@@ -412,7 +412,7 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
     if not (inertia or thermal):
         return 0.0, 0.0
     thick = sigma < THICK_FILM_SIGMA
-    nodes, known, changes = _depth_averaging_errors(thermal)
+    nodes, known, changes = _depth_averaging_table(thermal)
     if reynolds > (MAX_REYNOLDS_OF_THICK_FILM if thick else known[-1]):
         return nan, nan
     per_square = [np.interp(reynolds, known, column) for column in changes.T]
@@ -427,12 +427,12 @@ def depth_averaging_percent(scene: Scene) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=2)
-def _depth_averaging_errors(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _depth_averaging_table(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Nodes in 1/√σ, rising from 0, Reynolds numbers, and the change in per cent over Re² there.
 
     For thin layers the change goes by powers of 1/√σ, so that two columns give that of σ → ∞.
     """
-    table = np.genfromtxt(DEPTH_AVERAGING_TABLE, delimiter=",", names=True)
+    table = np.genfromtxt(DEPTH_AVERAGING_FILE, delimiter=",", names=True)
     table = table[table["thermal"] == thermal]
     # np.unique imports masked arrays, which takes longer than the whole table.
     reynolds = np.array(sorted(set(table["reynolds"])))
@@ -450,11 +450,11 @@ AUTO_TERM_TOLERANCE, DECIDING_TOLERANCE_FRACTION = 1e-3, 0.1
 
 
 def resolve_auto_terms(scenes: Scenes | Sequence[Scene], **how: Any) -> Scenes | Sequence[Scene]:
-    """The scenes of ``solve_auto_terms`` alone."""
-    return solve_auto_terms(scenes, **how)[0]
+    """The scenes of ``resolve_and_solve_auto_terms`` alone."""
+    return resolve_and_solve_auto_terms(scenes, **how)[0]
 
 
-def solve_auto_terms(
+def resolve_and_solve_auto_terms(
     scenes: Scenes | Sequence[Scene],
     *,
     model_tolerance: float = AUTO_TERM_TOLERANCE,
@@ -474,15 +474,17 @@ def solve_auto_terms(
     Returns:
         the scenes, and the solutions of those that were solved to the tolerance for it, by row.
     """
-    if not any(map(_undecided_terms, scenes.films if isinstance(scenes, Scenes) else scenes)):
+    if not any(map(_undecided_term_names, scenes.films if isinstance(scenes, Scenes) else scenes)):
         return scenes, {}
     scenes = Scenes.of(scenes)
-    closed = replace(scenes, films=tuple(map(_without_undecided_terms, scenes.films)))
+    closed = replace(scenes, films=tuple(map(_scene_without_undecided_terms, scenes.films)))
     index = scenes.film_index
     # Whether a term is supported does not depend on the operating point.
     asked = {
         int(film): [
-            name for name in _undecided_terms(scene) if not _unsupported_reason(scene, name, method)
+            name
+            for name in _undecided_term_names(scene)
+            if not _unsupported_reason(scene, name, method)
         ]
         for film, row in zip(*np.unique(index, return_index=True), strict=True)
         for scene in [scenes[int(row)]]
@@ -493,7 +495,7 @@ def solve_auto_terms(
         terms: Mapping[int, tuple[str, ...]], tolerance: float
     ) -> dict[int, Solution]:
         """Solutions of some rows with some terms."""
-        films = [_with_included_terms(closed[row], names) for row, names in terms.items()]
+        films = [_scene_with_included_terms(closed[row], names) for row, names in terms.items()]
         solutions = solve(films, tolerance=tolerance, method="periodic", device=device)
         return dict(zip(terms, solutions, strict=True))
 
@@ -528,7 +530,8 @@ def solve_auto_terms(
         choice: choice_index for choice_index, choice in enumerate(dict.fromkeys(chosen))
     }
     films = tuple(
-        _with_included_terms(closed.films[film], included) for film, included in index_of_choice
+        _scene_with_included_terms(closed.films[film], included)
+        for film, included in index_of_choice
     )
     decided = replace(
         scenes, films=films, film_index=np.array([index_of_choice[choice] for choice in chosen])
@@ -536,38 +539,38 @@ def solve_auto_terms(
     return decided, {row: full[row] for row in kept if tolerance >= fine}
 
 
-def unsupported_auto_terms(scene: Scene, *, method: str = "auto") -> list[str]:
+def unsupported_auto_term_texts(scene: Scene, *, method: str = "auto") -> list[str]:
     """Return the terms that are ``auto`` and not supported for a scene, with the reasons."""
     return [
         f"gas.{name} is auto and not included: {reason}"
-        for name in _undecided_terms(scene)
+        for name in _undecided_term_names(scene)
         if (reason := _unsupported_reason(scene, name, method))
     ]
 
 
-SceneOrFilm = TypeVar("SceneOrFilm", Scene, Film)
+SceneOrFilmT = TypeVar("SceneOrFilmT", Scene, Film)
 
 
-def _undecided_terms(scene: Scene | Film) -> list[str]:
+def _undecided_term_names(scene: Scene | Film) -> list[str]:
     return [name for name in AUTO_TERMS if getattr(scene.gas, name) == "auto"]
 
 
-def _without_undecided_terms(scene: SceneOrFilm) -> SceneOrFilm:
+def _scene_without_undecided_terms(scene: SceneOrFilmT) -> SceneOrFilmT:
     """The scene or film without what is to be decided."""
-    return scene.with_gas(**dict.fromkeys(_undecided_terms(scene), "none"))
+    return scene.with_gas(**dict.fromkeys(_undecided_term_names(scene), "none"))
 
 
-def _with_included_terms(scene: SceneOrFilm, names: Sequence[str]) -> SceneOrFilm:
+def _scene_with_included_terms(scene: SceneOrFilmT, names: Sequence[str]) -> SceneOrFilmT:
     return scene.with_gas(**dict.fromkeys(names, "included")) if names else scene
 
 
 def _unsupported_reason(scene: Scene, name: str, method: str) -> str:
     """Return the reason why the method does not support a term; empty if it does."""
-    scene = _without_undecided_terms(scene).with_gas(**{name: "included"})
+    scene = _scene_without_undecided_terms(scene).with_gas(**{name: "included"})
     if method == "composite":
-        derived = AUTO_TERMS[name].IN_EXPANSIONS
+        derived = AUTO_TERMS[name].SUPPORTS_EXPANSIONS
         return "" if derived else "the composite expansion is not derived with it"
-    return unsupported_on_grid(scene, terms_of(scene))
+    return unsupported_on_grid_reason(scene, terms_of(scene))
 
 
 def budget_row(budget: ErrorBudget) -> dict[str, object]:
@@ -588,6 +591,6 @@ def budget_row(budget: ErrorBudget) -> dict[str, object]:
     included = [name for name, effect in budget.effects.items() if effect.included]
     return row | {
         "included_effects": "; ".join(included),
-        "unknown_effects": "; ".join(budget.unknown) if budget.status == "ok" else "",
+        "unknown_effects": "; ".join(budget.unknown_effect_names) if budget.status == "ok" else "",
         "status": budget.status,
     }

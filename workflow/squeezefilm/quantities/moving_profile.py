@@ -18,9 +18,9 @@ from functools import partial
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.derivatives import with_number_changed
+from squeezefilm.quantities.derivatives import scene_with_quantity_changed
 from squeezefilm.quantities.fields import Fields
-from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed
+from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import Solution
 
@@ -60,7 +60,7 @@ def _moving_profile_changes_on_grid(own: Fields, *, device: Device) -> np.ndarra
     """Changes of the mean pressure over it, and what orders above the second may add."""
     count = len(own.scenes)
     places = [
-        with_number_changed(
+        scene_with_quantity_changed(
             scene, "x_m", steps * NEIGHBOUR_DISTANCE_FRACTION * scene.pad.length_x_m
         )
         for steps in range(-2, 3)
@@ -70,7 +70,7 @@ def _moving_profile_changes_on_grid(own: Fields, *, device: Device) -> np.ndarra
     source: dict[str, np.ndarray] = {}
     means, pressures = [], []
     for order in range(3):
-        films, means_here = solve_perturbed(
+        films, means_here = solve_perturbed_states(
             films, source, tolerance=STATE_FORCE_TOLERANCE, device=device
         )
         middle = slice(count * (2 - order), count * (3 - order))
@@ -80,7 +80,7 @@ def _moving_profile_changes_on_grid(own: Fields, *, device: Device) -> np.ndarra
             break
         mass = (films.area * films.mass)[films.inner]
         films = films.at(slice(count, -count))
-        per_distance = films.numbers("bearing", absent=0.0) / NEIGHBOUR_DISTANCE_FRACTION
+        per_distance = films.equation_numbers("bearing", absent=0.0) / NEIGHBOUR_DISTANCE_FRACTION
         source = {"edge_flow": per_distance * (mass[2 * count :] - mass[: -2 * count])}
     first, second = np.diff(means, axis=0) / means[0]
     sizes = [_root_mean_square(each) for each in (pressures[0], *np.diff(pressures, axis=0))]

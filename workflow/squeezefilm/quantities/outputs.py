@@ -16,29 +16,38 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import unexpected_status
+from squeezefilm.errors import unexpected_error_status
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.derivatives import with_derivatives
 from squeezefilm.quantities.fields import Fields
-from squeezefilm.quantities.sheared_gas import remainder_of_scene, sheared_gas_thrust_n
-from squeezefilm.quantities.states import error_of_change, with_states
+from squeezefilm.quantities.sheared_gas import (
+    first_order_remainder_of_scene,
+    scaled_sheared_gas_thrust,
+)
+from squeezefilm.quantities.states import error_per_grid_change, with_states
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.error_estimate import RELATIVE_ROUND_OFF, ROUND_OFF_FACTOR
+from squeezefilm.reynolds.error_estimate import ALLOWED_ROUND_OFF_FACTOR, RELATIVE_ROUND_OFF
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import States
-from squeezefilm.reynolds.plan import plan_of
+from squeezefilm.reynolds.periodic.launch import PeriodicStates
+from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.solver import known_solutions, solve
 from squeezefilm.reynolds.spectral import AngleAxis, flux_points
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.solution import OUTPUTS, Outputs, Solution, Solutions, validated_output_names
+from squeezefilm.solution import (
+    OUTPUT_COLUMNS,
+    Outputs,
+    Solution,
+    Solutions,
+    validated_output_names,
+)
 
 # Below this, iterations would end in rounding.
 MIN_FORCE_TOLERANCE = 1e-8
 # A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
-TIGHTER_TOLERANCE_FACTOR, MAX_TIGHTER_SOLUTIONS = 1 / 30, 3
+TIGHTER_TOLERANCE_FACTOR, MAX_TIGHTER_SOLVES = 1 / 30, 3
 # No output changes less than this share of the largest change among those alike, each over its
 # size: it may agree by chance, or be small because its parts cancel.
-MIN_CHANGE_FRACTION = 0.3
+MIN_GRID_CHANGE_FRACTION = 0.3
 # An extreme is one value of a polynomial, which nothing averages: the worst of 600 random films at
 # 1e-2 needed 2.8 times what its change and the iteration left.
 EXTREMES_ERROR_FACTOR = 4.0
@@ -48,11 +57,11 @@ GAP_SLOPE_STEP = 3e-4
 # Of a field, what rounding leaves of an odd one that is made even.
 ODD_FIELD_ROUND_OFF = 1e-9
 # Motion with cos ωt over ε that counts as none.
-NEGLIGIBLE_QUADRATURE = 1e-14
+NEGLIGIBLE_QUADRATURE_MOTION = 1e-14
 # Cosine moments along each side, and first harmonics of them, that stand by the outputs: the change
 # of an output from grid to grid may be small by chance, that of all these hardly.
-GUARD_MOMENT_COUNT, GUARD_NAME, FORCE_NAME = 3, "guard", "force"
-STATE_OUTPUTS = frozenset(OUTPUTS) - {"static_stiffness"}
+GUARD_MOMENT_COUNT, GUARD_MOMENT_NAME, FORCE_NAME = 3, "guard", "force"
+STATE_OUTPUT_NAMES = frozenset(OUTPUT_COLUMNS) - {"static_stiffness"}
 QUARTER_PHASES = np.pi / 2 * np.arange(4)
 # Numbers, each with its error, and the reason for each missing output.
 ValuesAndReasons = tuple[dict[str, tuple[float, float]], dict[str, str]]
@@ -78,43 +87,46 @@ def with_outputs(
     known = np.flatnonzero(np.isfinite(solutions.force_n))
     films, forces = Scenes.of(scenes)[known], solutions[known]
     parts: list[ValuesAndReasons] = [({}, {})] * len(known)
-    if STATE_OUTPUTS & set(asked):
+    if STATE_OUTPUT_NAMES & set(asked):
         within = max(tolerance, MIN_FORCE_TOLERANCE)
         parts = _outputs_from_states(films, forces, tolerance=within, device=device)
     if "static_stiffness" in asked:
-        more = static_stiffness(films, forces, tolerance=tolerance, device=device)
+        more = static_stiffness_outputs(films, forces, tolerance=tolerance, device=device)
         parts = [(one | other, a | b) for (one, a), (other, b) in zip(parts, more, strict=True)]
-    outputs_of_row = [Outputs.of(asked, {}, dict.fromkeys(OUTPUTS, "no force"))] * len(solutions)
+    outputs_of_row = [Outputs.of(asked, {}, dict.fromkeys(OUTPUT_COLUMNS, "no force"))] * len(
+        solutions
+    )
     for row, (values, missing) in zip(known.tolist(), parts, strict=True):
         outputs_of_row[row] = Outputs.of(asked, values, missing)
-    return solutions.with_column("outputs", outputs_of_row)
+    return solutions.with_replaced_column("outputs", outputs_of_row)
 
 
-def missing_reasons(scene: Scene, *, tolerance: float) -> dict[str, str]:
+def missing_output_reasons(scene: Scene, *, tolerance: float) -> dict[str, str]:
     """Return the reasons for missing outputs that are known before solving.
 
-    By their names in OUTPUTS. Inertia must be decided.
+    By their names in OUTPUT_COLUMNS. Inertia must be decided.
     """
     within = max(tolerance, MIN_FORCE_TOLERANCE)
-    (solution,), _ = known_solutions(plan_of(scene), tolerance=within, method="periodic")
+    (solution,), _ = known_solutions(solve_plan_of(scene), tolerance=within, method="periodic")
     reason = solution.status
-    return dict.fromkeys(OUTPUTS, reason) if reason else _outputs_without_formula(scene)
+    return dict.fromkeys(OUTPUT_COLUMNS, reason) if reason else _reasons_without_formula(scene)
 
 
-def _outputs_without_formula(scene: Scene) -> dict[str, str]:
-    """Return the reason for each missing or partial output, by its name in OUTPUTS."""
+def _reasons_without_formula(scene: Scene) -> dict[str, str]:
+    """Return the reason for each missing or partial output, by its name in OUTPUT_COLUMNS."""
     reasons = {}
     if scene.epsilon == 0:
         reasons["harmonics"] = "stiffness and damping are not known of a surface at rest"
     elif (
-        np.abs(gap_motion(scene, *scene.inside())[2]).max() > NEGLIGIBLE_QUADRATURE * scene.epsilon
+        np.abs(gap_harmonics(scene, *scene.inside())[2]).max()
+        > NEGLIGIBLE_QUADRATURE_MOTION * scene.epsilon
     ):
         reasons["harmonics"] = (
             "stiffness and damping are of a surface with one quadrature component"
         )
     if scene.bearing_number != 0 and scene.gas.rarefaction == "fukui-kaneko":
         reasons["thrust"] = "the shear of a sliding wall is not derived with fukui-kaneko"
-    elif _wall_drags_gas(scene) and isnan(remainder_of_scene(scene, vibrating=1.0)):
+    elif _wall_drags_gas(scene) and isnan(first_order_remainder_of_scene(scene, vibrating=1.0)):
         reasons["thrust"] = (
             "inertia and heat of the gas that a sliding wall drags are known to first order; here "
             "higher orders are as large; gas.inertia: none with gas.thermal: none has the thrust "
@@ -135,7 +147,7 @@ def _outputs_from_states(
     """All outputs that follow from a periodic state, or why there are none."""
     outputs_of_row: dict[int, ValuesAndReasons] = {}
     waiting, solved = np.arange(len(scenes)), solutions
-    for repeated in range(1 + MAX_TIGHTER_SOLUTIONS):
+    for repeated in range(1 + MAX_TIGHTER_SOLVES):
         within = tolerance * TIGHTER_TOLERANCE_FACTOR**repeated
         solved = with_states(scenes[waiting], solved, tolerance=within, device=device)
         further = []
@@ -149,17 +161,20 @@ def _outputs_from_states(
                     *alone, tolerance=tolerance, device=device
                 )
             except Exception as error:  # that of one film is no one else's
-                outputs_of_row[k], holds = _unsupported_outputs(unexpected_status(error)), True
+                outputs_of_row[k], holds = (
+                    _unsupported_outputs(unexpected_error_status(error)),
+                    True,
+                )
             if not holds:
                 further.append(k)
         if not further:
             break
-        waiting, solved = np.array(further), Solutions.of_method("periodic", len(further))
+        waiting, solved = np.array(further), Solutions.unsolved_of_method("periodic", len(further))
     return [outputs_of_row[k] for k in range(len(scenes))]
 
 
 def _unsupported_outputs(reason: str) -> ValuesAndReasons:
-    return {}, dict.fromkeys(STATE_OUTPUTS, reason)
+    return {}, dict.fromkeys(STATE_OUTPUT_NAMES, reason)
 
 
 def _outputs_on_two_grids(
@@ -168,11 +183,13 @@ def _outputs_on_two_grids(
     """Outputs of one film from its states on two grids, and whether they hold the tolerance."""
     (scene,), (states,) = scenes, solutions.states
     before, film = (SampledState(scene, state) for state in states)
-    factor, left = (each.item() for each in error_of_change(scenes, solutions, tolerance=tolerance))
+    factor, left = (
+        each.item() for each in error_per_grid_change(scenes, solutions, tolerance=tolerance)
+    )
     largest = max(film.largest, -film.least)
     left += RELATIVE_ROUND_OFF * largest
     # What rounding and the iteration leave is no reason for a finer grid.
-    allowed = ROUND_OFF_FACTOR * RELATIVE_ROUND_OFF * largest / (1 - scene.closure()) + left
+    allowed = ALLOWED_ROUND_OFF_FACTOR * RELATIVE_ROUND_OFF * largest / (1 - scene.closure()) + left
     coarse, fine = output_weights(before), output_weights(film)
     size = {name: film.size(weight) for name, weight in fine.items()}
     # The value of each number and its error.
@@ -186,15 +203,15 @@ def _outputs_on_two_grids(
         change = {n: abs(values[n][0] - before.mean(coarse[n])) / size[n] for n in comparable}
         scale = max((abs(values[n][0]) / size[n] for n in comparable), default=0.0)
         most = max(change.values(), default=0.0)
-        least = max(least, MIN_CHANGE_FRACTION * most)
+        least = max(least, MIN_GRID_CHANGE_FRACTION * most)
         holds &= factor * most <= tolerance * scale + allowed
         for n in comparable:
-            error = factor * max(change[n], MIN_CHANGE_FRACTION * most) + left
+            error = factor * max(change[n], MIN_GRID_CHANGE_FRACTION * most) + left
             values[n] = values[n][0], size[n] * error
-    ambient, missing = scene.gas.ambient_pressure_pa, _outputs_without_formula(scene)
+    ambient, missing = scene.gas.ambient_pressure_pa, _reasons_without_formula(scene)
     ends = [(film.largest, before.largest), (film.least, before.least)]
     change_of_ends = max([least * largest, *(abs(a - b) for a, b in ends)])
-    for name, (peak, _) in zip(OUTPUTS["extremes"], ends, strict=True):
+    for name, (peak, _) in zip(OUTPUT_COLUMNS["extremes"], ends, strict=True):
         values[name] = (
             ambient * peak,
             ambient * EXTREMES_ERROR_FACTOR * (factor * change_of_ends + left),
@@ -210,10 +227,10 @@ def _outputs_on_two_grids(
             ("film_damping", "force_quadrature", scene.hv_m * speed),
         ):
             values[name] = -values[part][0] / per, values[part][1] / per
-    drag = _couette_drag(film)
+    drag = _couette_drag_n(film)
     # Slip goes by the density.
     change_of_drag = max(
-        abs(drag - _couette_drag(before)), least * 2 * scene.slip_knudsen * abs(drag)
+        abs(drag - _couette_drag_n(before)), least * 2 * scene.slip_knudsen * abs(drag)
     )
     values["sliding_friction"] = drag, factor * change_of_drag + RELATIVE_ROUND_OFF * abs(drag)
     parts = [values["sliding_friction"], (0.0, 0.0)]
@@ -221,15 +238,17 @@ def _outputs_on_two_grids(
         # Share of it that warm gas would change: twice its warming where it streams.
         heats = scene.gas.thermal == "included"
         warm = (
-            2 * float(Thermal().numbers(scene)["heating"]) * scene.epsilon**2 / 20 if heats else 0
+            2 * float(Thermal().equation_numbers(scene)["heating"]) * scene.epsilon**2 / 20
+            if heats
+            else 0
         )
         for k, (one, other) in enumerate(zip(before.momentum_n, film.momentum_n, strict=True)):
             off = factor * abs(other - one) + warm * abs(other)
             parts[k] = parts[k][0] - other / 2, parts[k][1] + off / 2
     if _wall_drags_gas(scene) and "thrust" not in missing:
-        with_gas = sheared_gas_thrust_n(scene, solutions[0], device=device or choose_device())
+        with_gas = scaled_sheared_gas_thrust(scene, solutions[0], device=device or choose_device())
         by_gas, off_gas = with_gas * scene.force_scale_n * scene.h0_m / scene.pad.length_x_m
-        missed = remainder_of_scene(scene, vibrating=1.0) * np.abs(film.momentum_n) / 2
+        missed = first_order_remainder_of_scene(scene, vibrating=1.0) * np.abs(film.momentum_n) / 2
         for k, (value, off) in enumerate(parts):
             parts[k] = float(value + by_gas[k]), float(off + off_gas[k] + missed[k])
         if np.isnan(by_gas).any():
@@ -248,7 +267,7 @@ def _outputs_on_two_grids(
     return (values, missing), holds
 
 
-def _couette_drag(film: SampledState) -> float:
+def _couette_drag_n(film: SampledState) -> float:
     """Couette drag μ U ⟨1/(h + 2 σ λ)⟩ times the area in newtons, with slip at both walls."""
     scene, fields = film.scene, film.fields
     gap = fields.gap + 2 * scene.slip_knudsen / fields.density
@@ -257,12 +276,13 @@ def _couette_drag(film: SampledState) -> float:
 
 
 def output_weights(film: SampledState) -> dict[str, np.ndarray]:
-    """Return the weights by the names in OUTPUTS (solution.py), of ``force`` and of guards."""
+    """Return the weights by the names in OUTPUT_COLUMNS (solution.py), of ``force`` and of
+    guards."""
     scene, pad = film.scene, film.scene.pad
     force = scene.force_scale_n
     one, nothing = np.ones_like(film.x), np.zeros_like(film.x)
     x, y = pad.turned((film.x - 0.5) * pad.length_x_m, (film.y - 0.5) * pad.length_y_m)
-    _, sine, cosine = gap_motion(scene, film.x, film.y)
+    _, sine, cosine = gap_harmonics(scene, film.x, film.y)
     speed = scene.h0_m * scene.actuator.angular_frequency_rad_per_s
     # Shear at the pad's wall by the flow that pressure drives, −(h/2) ∇p, in the mean over the
     # pad ½ ⟨p ∇h⟩ as p vanishes on the edge; and pressure on the wall's own slope, −⟨p ∇g⟩, g being
@@ -288,7 +308,7 @@ def output_weights(film: SampledState) -> dict[str, np.ndarray]:
     }
     for k, n, part in np.ndindex(GUARD_MOMENT_COUNT, GUARD_MOMENT_COUNT, 3):
         wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
-        found[f"{GUARD_NAME} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
+        found[f"{GUARD_MOMENT_NAME} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
     return {name: film.symmetric_part(weight) for name, weight in found.items()}
 
 
@@ -303,7 +323,7 @@ class SampledState:
         momentum_n: what leaves over the edge along the pad's x and y, of a gas with inertia.
     """
 
-    def __init__(self, scene: Scene, state: States) -> None:
+    def __init__(self, scene: Scene, state: PeriodicStates) -> None:
         self.scene, grid = scene, state.grid
         self.fields = Fields.of([scene], grid, state.unknowns[None])
         self.x, self.y = grid.positions
@@ -323,12 +343,12 @@ class SampledState:
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
         """The gap's derivatives along the pad's x and y, over its lengths: each (3, Q)."""
-        return self._slope(GAP_SLOPE_STEP, 0.0), self._slope(0.0, GAP_SLOPE_STEP)
+        return self._gap_slope(GAP_SLOPE_STEP, 0.0), self._gap_slope(0.0, GAP_SLOPE_STEP)
 
-    def _slope(self, in_x: float, in_y: float) -> np.ndarray:
+    def _gap_slope(self, in_x: float, in_y: float) -> np.ndarray:
         """Return a difference of fourth order, which takes the profile beyond the edge too."""
         far, near, after, beyond = (
-            gap_motion(self.scene, self.x + k * in_x, self.y + k * in_y) for k in (-2, -1, 1, 2)
+            gap_harmonics(self.scene, self.x + k * in_x, self.y + k * in_y) for k in (-2, -1, 1, 2)
         )
         return np.asarray((8 * (after - near) - (beyond - far)) / (12 * (in_x + in_y)))
 
@@ -337,7 +357,7 @@ class SampledState:
         grid, (_, count_x, count_y) = self.fields.grid, self.pressure.shape
         seen = field.reshape(3, len(grid.x.all_nodes), len(grid.y.all_nodes))
         if isinstance(grid.y, AngleAxis):
-            for order in grid.y.mirror_images:
+            for order in grid.y.mirror_image_indices:
                 seen = (seen + seen[..., order]) / 2
         else:
             seen = (seen + seen[:, ::-1]) / 2 if grid.x.folded else seen
@@ -347,13 +367,13 @@ class SampledState:
 
     def mean(self, weight: np.ndarray) -> float:
         """⟨w (P − 1)⟩ over pad and period, for w₀ + w₁ sin T + w₂ cos T, shape (3, x, y)."""
-        return self._mean(_period_mean(weight, self.pressure))
+        return self._pad_mean(_period_mean(weight, self.pressure))
 
     def size(self, weight: np.ndarray) -> float:
         """Root mean square of a weight over pad and period."""
-        return float(np.sqrt(self._mean(_period_mean(weight, weight))))
+        return float(np.sqrt(self._pad_mean(_period_mean(weight, weight))))
 
-    def _mean(self, over_period: np.ndarray) -> float:
+    def _pad_mean(self, over_period: np.ndarray) -> float:
         return float(self.fields.mean(over_period[None, ..., None])[0])
 
 
@@ -362,7 +382,7 @@ def _period_mean(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.asarray(one[0] * other[0] + (one[1] * other[1] + one[2] * other[2]) / 2)
 
 
-def gap_motion(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def gap_harmonics(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """The gap over h0 at rest, its motion with sin T and with cos T, shape (3, ...)."""
     at_0, at_90, at_180, at_270 = np.moveaxis(scene.gap(x, y, QUARTER_PHASES), -1, 0)
     return np.stack([(at_90 + at_270) / 2, (at_90 - at_270) / 2, (at_0 - at_180) / 2])
@@ -414,9 +434,9 @@ def momentum_outflow_n(film: Fields) -> np.ndarray:
         flux = _momentum_flux_at_ends(film, k)
         if outline := grid.outline:  # both ends of μ are all of the edge; ū is that times |z′|
             along, around = flux[:, 0]
-            ways = (along + 1j * around) / film.map_slope[0, :, 0].conj()
-            ways /= outline.mean_edge_area_ratio**0.5
-            around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.mean_edge_area_ratio
+            ways = (along + 1j * around) / film.conformal_map_slope[0, :, 0].conj()
+            ways /= outline.mean_edge_jacobian**0.5
+            around_n = 2 * np.pi * per_length * scene.pad.length_x_m * outline.mean_edge_jacobian
             momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
         else:
             side_m = (scene.pad.length_y_m, scene.pad.length_x_m)[k]
@@ -431,7 +451,7 @@ def _momentum_flux_at_ends(film: Fields, k: int) -> np.ndarray:
     """Return ⟨ρ h β ū·n ū⟩ along x or y and across it, at its ends: (2, ends, nodes inside)."""
     axis, other = film.axes_with_ends[k], (film.grid.y, film.grid.x)[k]
     ends = [0] if axis.folded else [0, -1]
-    at = film.inner_nodes_across(k)
+    at = film.inner_slices_across(k)
     gap, velocity, outward = (
         np.moveaxis(each[at], 1 + k, 1)[0, ends]
         for each in (film.gap, film.velocity_on_edge[k], -film.inward[k])
@@ -440,9 +460,11 @@ def _momentum_flux_at_ends(film: Fields, k: int) -> np.ndarray:
     # comes in has none.
     tangential = np.moveaxis(film.unknowns[0, 2 - k], k, 0)
     near = np.stack([tangential[:4], tangential[:-5:-1]])[: len(ends)]
-    at_edge = -np.einsum("j,ejqt->eqt", axis.end_weights, near)
-    out = outward * velocity / film.numbers("reversing", absent=nan)[0]
-    carried = flux_points(other).to_inner @ at_edge * (0.5 + 0.5 * out / np.sqrt(1 + out**2))
+    at_edge = -np.einsum("j,ejqt->eqt", axis.end_extrapolation_weights, near)
+    out = outward * velocity / film.equation_numbers("reversing", absent=nan)[0]
+    carried = (
+        flux_points(other).matrix_to_inner_nodes @ at_edge * (0.5 + 0.5 * out / np.sqrt(1 + out**2))
+    )
     # Mean square of a velocity across the gap over the square of its mean: with slip it is
     # ζ(1 − ζ) + Kn/H, ζ across the gap. There the gas has ambient density.
     slip = film.scenes[0].slip_knudsen / gap
@@ -456,7 +478,7 @@ def _momentum_flux_at_ends(film: Fields, k: int) -> np.ndarray:
 DIFFERENCE_QUOTIENT_STEP, DIFFERENCE_QUOTIENT_MULTIPLES = 0.01, (-2, -1, 1, 2)
 
 
-def negative_force_slopes(
+def forces_and_negative_slopes(
     scenes: Sequence[Scene], name: str, **how: Any
 ) -> tuple[np.ndarray, list[str]]:
     """Return forces F, their errors, −∂F/∂number by difference quotients, and its error.
@@ -491,7 +513,7 @@ def negative_force_slopes(
     return np.stack([force, errors[0], fall, error]), reasons
 
 
-def static_stiffness(
+def static_stiffness_outputs(
     scenes: Scenes, solutions: Solutions, *, tolerance: float, device: Device | None
 ) -> list[ValuesAndReasons]:
     """−∂F/∂h0 with the amplitude kept, by the force's derivative, or by a quotient of four forces.
@@ -505,7 +527,7 @@ def static_stiffness(
         if known.status == "ok":
             value, error = -known.value["h0_m"], known.error["h0_m"]
         else:
-            rows, (bad,) = negative_force_slopes(
+            rows, (bad,) = forces_and_negative_slopes(
                 [scene], "h0_m", tolerance=tolerance, device=device
             )
             value, error = rows[2:, 0].tolist()

@@ -6,19 +6,19 @@ from squeezefilm.errors import RunError
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.periodic.launch import States
+from squeezefilm.reynolds.periodic.launch import PeriodicStates
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.spectral import period
+from squeezefilm.reynolds.spectral import cached_time_axis
 
 # The pressure at a place is known to about half the digits of its mean: the force is solved for to
 # a power of the tolerance, then to a tenth of that, until no value changes by more than it.
-FORCE_TOLERANCE_POWER, MIN_FORCE_TOLERANCE, MAX_TIGHTER_SOLUTIONS = 1.75, 1e-10, 3
+FORCE_TOLERANCE_POWER, MIN_FORCE_TOLERANCE, MAX_TIGHTER_SOLVES = 1.75, 1e-10, 3
 NO_STATE_MESSAGE = (
     "no periodic state was found in which the pressure holds the tolerance at every place"
 )
 
 
-def pressure(
+def gauge_pressure_and_change(
     scene: Scene, *, x: np.ndarray, y: np.ndarray, instants: int, tolerance: float, device: Device
 ) -> tuple[np.ndarray, float]:
     """The periodic film's gauge pressure at places x (nx,) and y (ny,) in [0, 1] across the pad.
@@ -29,7 +29,7 @@ def pressure(
     Inertia must be decided (model_error.py).
     Raises RunError saying why there is no such pressure.
     """
-    for repeated in range(1 + MAX_TIGHTER_SOLUTIONS):
+    for repeated in range(1 + MAX_TIGHTER_SOLVES):
         (solution,) = solve(
             [scene],
             tolerance=max(tolerance**FORCE_TOLERANCE_POWER, MIN_FORCE_TOLERANCE) * 0.1**repeated,
@@ -52,16 +52,16 @@ def pressure(
 
 
 def _interpolated_state(
-    state: States, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int
+    state: PeriodicStates, *, pad: Pad, x: np.ndarray, y: np.ndarray, instants: int
 ) -> np.ndarray:
     """Interpolate a state at given positions and instants, (instants, y, x)."""
     grid, field = state.grid, state.unknowns[0]
-    in_time = period(grid.nt).at(period(instants).nodes)
+    in_time = cached_time_axis(grid.nt).at(cached_time_axis(instants).nodes)
     if grid.coordinates is None:
         along_x, along_y = grid.x.at(x), grid.y.at(y)
         return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, field, optimize=True)
     across, along = np.meshgrid(x, y)
-    inside = pad.within(across, along)
+    inside = pad.contains_positions(across, along)
     u, v = grid.coordinates.coordinates(across[inside], along[inside])
     values_on_lines = np.einsum("xa,abi->xbi", grid.x.at(u), field)
     values_on_lines = np.einsum("xb,xbi->xi", grid.y.at(v), values_on_lines)

@@ -38,7 +38,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields, dot
-from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed
+from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import Solution
 
@@ -68,8 +68,8 @@ def sheared_gas_changes(
     def sheared_gas_change_on_grid(films: Fields) -> np.ndarray:
         source = mass_source_of_sliding(films)
         how: dict[str, Any] = {"tolerance": STATE_FORCE_TOLERANCE, "device": device}
-        _, without = solve_perturbed(films, {}, **how)
-        _, with_source = solve_perturbed(films, {"edge_flow": source}, **how)
+        _, without = solve_perturbed_states(films, {}, **how)
+        _, with_source = solve_perturbed_states(films, {"edge_flow": source}, **how)
         return np.array([with_source / without - 1])
 
     return force_changes_and_errors(
@@ -77,7 +77,7 @@ def sheared_gas_changes(
     )
 
 
-def sheared_gas_thrust_n(scene: Scene, solution: Solution, *, device: Device) -> np.ndarray:
+def scaled_sheared_gas_thrust(scene: Scene, solution: Solution, *, device: Device) -> np.ndarray:
     """Return what inertia and heat of the dragged gas add to the forces along the pad's x and y.
 
     Args:
@@ -93,11 +93,11 @@ def sheared_gas_thrust_n(scene: Scene, solution: Solution, *, device: Device) ->
     def thrust_change_on_grid(own: Fields) -> np.ndarray:
         pressed = []
         for added in ({}, {"edge_flow": mass_source_of_sliding(own)}):
-            films, means = solve_perturbed(
+            films, means = solve_perturbed_states(
                 own, added, tolerance=STATE_THRUST_TOLERANCE, device=device
             )
             # −(h/2) ∇p, and p on the pad's own slope; NaN where there is no state.
-            by_slope = (films.rest_gap - films.gap / 2) * films.slope
+            by_slope = (films.static_gap - films.gap / 2) * films.slope
             pressed.append(by_slope + 0 * means[:, None, None, None])
         parts = (pressed[1] - pressed[0], *sliding_stress_on_pad(films))
         by_place = films.to_pad_axes(np.stack(parts, axis=1))
@@ -109,7 +109,7 @@ def sheared_gas_thrust_n(scene: Scene, solution: Solution, *, device: Device) ->
     (values, errors) = force_changes_and_errors(
         [scene], [solution], thrust_change_on_grid, changes=4, tolerance=STATE_THRUST_TOLERANCE
     )[..., 0]
-    missed = remainder_of_scene(scene, vibrating=1.0)
+    missed = first_order_remainder_of_scene(scene, vibrating=1.0)
     missed += FIRST_ORDER_REMAINDER_FACTOR * _widest_gap_squared(scene) * scene.modified_reynolds
     missed += 6 * scene.slip_knudsen  # of the wall's velocity no slip is known
     return np.array([values[:2], in_y * errors[:2] + missed * values[2:]])
@@ -118,27 +118,27 @@ def sheared_gas_thrust_n(scene: Scene, solution: Solution, *, device: Device) ->
 def sliding_stress_on_pad(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     """Return what has the mean of the stress on the pad that U adds by inertia and by heat."""
     v, wall, mass = films.velocity, wall_velocity(films), films.mass
-    by_wall = films.convected(v + wall) - films.convected(v)
-    passed = wall_speed(films) * films.pad_x_slope(mass) / films.area
-    steepened = wall_speed(films) * films.pad_x_slope(films.gap) / films.area
+    by_wall = films.convective_acceleration(v + wall) - films.convective_acceleration(v)
+    passed = wall_speed(films) * films.pad_x_derivative(mass) / films.area
+    steepened = wall_speed(films) * films.pad_x_derivative(films.gap) / films.area
     shortfall = by_wall * mass / 5 + v * (0.3 * passed) + wall * (steepened / 30)
-    by_inertia = -films.numbers("reynolds", absent=0.0) * films.sigma / 12 * shortfall
-    heating, square = films.numbers("heating", absent=0.0), films.gap**2
-    friction, mixed, sheared, jump = viscous_heating(films)
+    by_inertia = -films.equation_numbers("reynolds", absent=0.0) * films.sigma / 12 * shortfall
+    heating, square = films.equation_numbers("heating", absent=0.0), films.gap**2
+    friction, mixed, sheared, jump = viscous_heating_terms(films)
     warm = (square * films.pressure_rate * jump + sheared) / 12 - friction / 20
-    exponent = films.numbers("viscosity_exponent", absent=0.0)
+    exponent = films.equation_numbers("viscosity_exponent", absent=0.0)
     thicker = exponent * heating * films.sigma / films.gap
     return by_inertia, thicker * (wall * (warm / 12) + v * (mixed / 240))
 
 
-def remainder_of_scene(scene: Scene, *, vibrating: float) -> float:
+def first_order_remainder_of_scene(scene: Scene, *, vibrating: float) -> float:
     """Return the bound of the second order over the sizes of the effects of inertia and heat.
 
     Args:
         vibrating: fraction of the effects that is not there in the same film without vibration.
     """
     widest = _widest_gap_squared(scene)
-    return first_order_error(
+    return first_order_remainder(
         bearing=abs(scene.bearing_number),
         shear_reynolds=widest * scene.shear_reynolds,
         vibrating_reynolds=widest * scene.modified_reynolds * vibrating,
@@ -147,10 +147,12 @@ def remainder_of_scene(scene: Scene, *, vibrating: float) -> float:
 
 def _widest_gap_squared(scene: Scene) -> float:
     """Return the square of the widest gap at rest over h0."""
-    return float(Scenes.of([scene]).static_gap_range[1][0]) ** 2
+    return float(Scenes.of([scene]).static_gap_ratio_range[1][0]) ** 2
 
 
-def first_order_error(*, bearing: float, shear_reynolds: float, vibrating_reynolds: float) -> float:
+def first_order_remainder(
+    *, bearing: float, shear_reynolds: float, vibrating_reynolds: float
+) -> float:
     """Return what first order misses, over the sizes of the effects; NaN where it is unknown.
 
     A force is that of the steady film and what vibration adds. Second orders of both go with
@@ -187,21 +189,23 @@ def sliding_flux_and_mass(films: Fields) -> tuple[np.ndarray, np.ndarray]:
 def sliding_flux_by_inertia(films: Fields) -> np.ndarray:
     """Return the flux that U adds by inertia; of slip only the longer lag."""
     v, wall, mass = films.velocity, wall_velocity(films), films.mass
-    by_wall = films.convected(v + wall) - films.convected(v)  # (U·∇)ū, for U is uniform
-    passed = wall_speed(films) * films.pad_x_slope(mass) / films.area  # U·∇M
+    by_wall = films.convective_acceleration(v + wall) - films.convective_acceleration(
+        v
+    )  # (U·∇)ū, for U is uniform
+    passed = wall_speed(films) * films.pad_x_derivative(mass) / films.area  # U·∇M
     shortfall = by_wall * mass / 2 + wall * (passed / 12) - v * (passed / 14)
     # Slip lengthens the lag as in terms/inertia.py.
-    flow = films.equation["flow"]
+    flow = films.equation_number_table["flow"]
     slip = flow[:, 1, None, None, None] / 1.5 if flow.shape[1] > 1 else 0.0
-    return -films.numbers("lag", absent=0.0) * films.gap * (mass + slip) * shortfall
+    return -films.equation_numbers("lag", absent=0.0) * films.gap * (mass + slip) * shortfall
 
 
 def flux_and_mass_by_heating(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     """Return the flux and the mass per area that U adds by heat."""
     v, wall, square = films.velocity, wall_velocity(films), films.gap**2
-    heating = films.numbers("heating", absent=0.0)
-    exponent = films.numbers("viscosity_exponent", absent=0.0)
-    friction, mixed, sheared, jump = viscous_heating(films)
+    heating = films.equation_numbers("heating", absent=0.0)
+    exponent = films.equation_numbers("viscosity_exponent", absent=0.0)
+    friction, mixed, sheared, jump = viscous_heating_terms(films)
     warming = sheared + square * films.pressure_rate * jump
     with_wall = warming / 24 - friction / 40 + (exponent - 1) * mixed / 240
     lost = heating * films.mass
@@ -209,10 +213,10 @@ def flux_and_mass_by_heating(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     return flux, -lost * sheared / 12
 
 
-def viscous_heating(films: Fields) -> tuple[np.ndarray, ...]:
+def viscous_heating_terms(films: Fields) -> tuple[np.ndarray, ...]:
     """Return b ū² H², b U·ū H², A H² and the factor by which a jump at the walls warms more."""
     v, wall = films.velocity, wall_velocity(films)
-    jump = 1 + films.numbers("jump_warms", absent=0.0) / films.mass
+    jump = 1 + films.equation_numbers("jump_warms", absent=0.0) / films.mass
     # Under an outline a product of two velocities is |dz/dζ|² times theirs.
     friction, mixed = (films.sigma * dot(v, other) / films.area for other in (v, wall))
     sheared = (films.sigma * wall_speed(films) ** 2 / 12 - mixed / 2) * jump
@@ -221,10 +225,13 @@ def viscous_heating(films: Fields) -> tuple[np.ndarray, ...]:
 
 def wall_speed(films: Fields) -> np.ndarray:
     """U = 2Λ/σ of the wall past the pad, a column."""
-    return np.asarray(2 * films.numbers("bearing", absent=0.0) / films.sigma)
+    return np.asarray(2 * films.equation_numbers("bearing", absent=0.0) / films.sigma)
 
 
 def wall_velocity(films: Fields) -> np.ndarray:
-    """U as a vector field; under an outline along its coordinates, as ``Fields.pad_x_slope``."""
+    """U as a vector field; under an outline along its coordinates, as
+    ``Fields.pad_x_derivative``."""
     everywhere = wall_speed(films) * np.ones_like(films.gap)
-    return np.stack([films.map_slope.real * everywhere, -films.map_slope.imag * everywhere])
+    return np.stack(
+        [films.conformal_map_slope.real * everywhere, -films.conformal_map_slope.imag * everywhere]
+    )

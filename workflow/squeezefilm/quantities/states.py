@@ -10,18 +10,18 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.reynolds.device import Device
-from squeezefilm.reynolds.error_estimate import UNKNOWN_RATIO, error_per_change
+from squeezefilm.reynolds.error_estimate import DEFAULT_CONVERGENCE_RATIO, error_per_change
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import min_convergence_ratio, profile_error_ratio
-from squeezefilm.reynolds.plan import plan_of
+from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.solver import solve
-from squeezefilm.reynolds.terms import distinct_terms, have_velocities
+from squeezefilm.reynolds.terms import distinct_term_sets, have_velocity_terms
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 from squeezefilm.solution import Solution, Solutions
 
 # Of a gas with inertia, or that warms, changes creep or fall suddenly: so many times the change is
 # taken. That of a quantity has no size beside it, as that of the force has.
-VELOCITY_ERROR_MARGIN = 2.0
+VELOCITY_ERROR_FACTOR = 2.0
 
 
 def with_states(
@@ -33,10 +33,10 @@ def with_states(
         return solutions
     how: dict[str, Any] = {"tolerance": tolerance, "device": device}
     solved = solve(scenes[missing], **how, method="periodic", keep_states=True)
-    return solutions.with_rows(missing, solved)
+    return solutions.with_replaced_rows(missing, solved)
 
 
-def groups_on_equal_grids(
+def row_groups_on_equal_grids(
     scenes: Scenes, solutions: Solutions, *, numbers: int
 ) -> Iterator[np.ndarray]:
     """The rows of scenes whose states are on the same grids, of like terms and pads.
@@ -46,7 +46,7 @@ def groups_on_equal_grids(
     """
     if not len(scenes):
         return
-    kinds, kind = distinct_terms(scenes)
+    kinds, kind = distinct_term_sets(scenes)
     aspect = np.broadcast_to(scenes.aspect, len(scenes))
     groups: dict[tuple[Any, ...], list[int]] = defaultdict(list)
     for k, states in enumerate(solutions.states):
@@ -82,18 +82,18 @@ def force_changes_and_errors(
     """
     scenes, solutions = Scenes.of(scenes), Solutions.of(solutions)
     changes_and_errors = np.full((2, changes, len(scenes)), np.nan)
-    for rows in groups_on_equal_grids(scenes, solutions, numbers=STATE_VALUES_PER_BATCH):
+    for rows in row_groups_on_equal_grids(scenes, solutions, numbers=STATE_VALUES_PER_BATCH):
         group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
             on_grid(Fields.of(group, states[0].grid, np.stack([each.unknowns for each in states])))
             for states in zip(*solved.states, strict=True)
         )
-        factor, _ = error_of_change(group, solved, tolerance=tolerance)
+        factor, _ = error_per_grid_change(group, solved, tolerance=tolerance)
         changes_and_errors[:, :, rows] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
     return changes_and_errors
 
 
-def solve_perturbed(
+def solve_perturbed_states(
     films: Fields, added: Mapping[str, np.ndarray], *, tolerance: float, device: Device
 ) -> tuple[Fields, np.ndarray]:
     """Solve for states beside some, from these: with a source of mass or a pressure on the edge.
@@ -108,11 +108,11 @@ def solve_perturbed(
     none = dict.fromkeys(EdgePressure.OPERATOR_NAMES, np.zeros_like(films.unknowns[:, 0]))
     how: dict[str, Any] = {"tolerance": tolerance, "device": device, "guess": films.unknowns}
     states = solve_batch(films.scenes, films.grid, **how, terms=films.terms, edge={**none, **added})
-    mean = np.where(states.status == 0, states.mean + films.mean(films.edge), np.nan)
+    mean = np.where(states.status == 0, states.mean + films.mean(films.edge_gauge_pressure), np.nan)
     return replace(films, unknowns=states.unknowns), mean
 
 
-def error_of_change(
+def error_per_grid_change(
     scenes: Scenes, solutions: Solutions, *, tolerance: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the error after a quantity's change between the grids, as for the force.
@@ -123,12 +123,17 @@ def error_of_change(
     Returns:
         The errors in units of that change, and what iterations left of the pressure, in p0: (n,).
     """
-    plan, (coarse, fine) = plan_of(scenes), (state.grid.across for state in solutions.states[0])
+    plan, (coarse, fine) = (
+        solve_plan_of(scenes),
+        (state.grid.across for state in solutions.states[0]),
+    )
     fall = np.maximum(
-        np.maximum(UNKNOWN_RATIO, profile_error_ratio(plan, coarse, fine, tolerance=tolerance)),
+        np.maximum(
+            DEFAULT_CONVERGENCE_RATIO, profile_error_ratio(plan, coarse, fine, tolerance=tolerance)
+        ),
         min_convergence_ratio(scenes),
     )
     # A mass error w moves the pressure by about n w/H.
-    left = scenes.gas.polytropic_exponent * solutions.residual / scenes.narrowest
-    margin = VELOCITY_ERROR_MARGIN if have_velocities(plan.terms) else 1.0
+    left = scenes.gas.polytropic_exponent * solutions.residual / scenes.narrowest_gap_ratio
+    margin = VELOCITY_ERROR_FACTOR if have_velocity_terms(plan.terms) else 1.0
     return margin * error_per_change(fall), left

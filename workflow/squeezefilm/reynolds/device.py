@@ -25,12 +25,12 @@ from squeezefilm.lazy import cl
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds.kernel_cache import (
     check_kernel_cache,
-    is_known_intact,
+    is_cached_program_intact,
     record_cached_program,
     remove_damaged_programs,
 )
 
-DEVICE_VARIABLE = "SQUEEZEFILM_DEVICE"
+DEVICE_ENV_VARIABLE = "SQUEEZEFILM_DEVICE"
 ALIGNMENT_BYTES = 64
 # Doubles behind an array that kernels may read with the last of it, and not use (vectors.cl).
 PADDING_DOUBLES = 8
@@ -61,7 +61,7 @@ FLAGS_OF_INSTRUCTION_SET = {
 GENERIC_PROCESSOR = "generic"
 CPU_INFO_FILE = Path("/proc/cpuinfo")
 # The record's first bytes, among which the pointer is looked for.
-DEVICE_RECORD_BYTES = 1024
+POCL_DEVICE_RECORD_BYTES = 1024
 
 
 @dataclass(frozen=True)
@@ -73,14 +73,14 @@ class Device:
         transfer_queue: a queue for what comes back, which need not wait for kernels behind its own.
         name: platform and device name, as reported by ``doctor`` and kept with results.
         groups: work-groups to launch, each with its workspace.
-        work_items: work-items per group; 1 on a processor, whose groups are cores.
-        register_bytes: size of the vectors that a processor computes with.
+        work_items_per_group: work-items per group; 1 on a processor, whose groups are cores.
+        vector_register_bytes: size of the vectors that a processor computes with.
         instruction_sets: those that kernels are compiled for, beyond what the driver knows.
         memory_bytes: the device's own memory.
-        is_processor: whether it is one, and not an accelerator.
+        is_cpu: whether it is one, and not an accelerator.
         process_id: of the process that may use it: a forked one waits for ever for its threads.
         workspace_buffers: the buffer that kernels work in, kept from launch to launch.
-        arrays: host arrays that launches are done with, for the next ones.
+        pooled_arrays: host arrays that launches are done with, for the next ones.
     """
 
     context: Any
@@ -88,14 +88,14 @@ class Device:
     transfer_queue: Any
     name: str
     groups: int
-    work_items: int
+    work_items_per_group: int
     memory_bytes: int
-    is_processor: bool = True
-    register_bytes: int = 32
+    is_cpu: bool = True
+    vector_register_bytes: int = 32
     instruction_sets: tuple[str, ...] = ()
     process_id: int = field(default_factory=os.getpid)
     workspace_buffers: list[Any] = field(default_factory=list, compare=False)
-    arrays: list[np.ndarray] = field(default_factory=list, compare=False)
+    pooled_arrays: list[np.ndarray] = field(default_factory=list, compare=False)
 
     def check_process(self) -> None:
         """Raise InputError in a process that was forked after the device was chosen."""
@@ -105,16 +105,16 @@ class Device:
                 "forked after a force; start processes first, or by multiprocessing's 'spawn'"
             )
 
-    def groups_for(self, scenes: int, *, workspace_bytes: int) -> int:
+    def work_group_count(self, scenes: int, *, workspace_bytes: int) -> int:
         """Return the work-groups to launch: at most one a scene, and within half the memory."""
         room = self.memory_bytes // 2 // workspace_bytes
         return max(1, min(self.groups, scenes, room))
 
     def vector_width(self, number_bytes: int) -> int:
         """Return the number of values that a work-item computes with at a time."""
-        return 4 if self.work_items > 1 else self.register_bytes // number_bytes
+        return 4 if self.work_items_per_group > 1 else self.vector_register_bytes // number_bytes
 
-    def copied_to_buffer(self, values: np.ndarray) -> Any:
+    def copy_to_buffer(self, values: np.ndarray) -> Any:
         """A buffer that holds a copy of ``values``."""
         flags = cl.mem_flags.READ_WRITE | cl.mem_flags.COPY_HOST_PTR
         return cl.Buffer(self.context, flags, hostbuf=values)
@@ -125,12 +125,12 @@ class Device:
         A device that works in the host's memory, like a processor, gets the array itself, which
         must then come from ``aligned_array`` if kernels read it in vectors.
         """
-        kind = cl.mem_flags.USE_HOST_PTR if self._in_host_memory else cl.mem_flags.COPY_HOST_PTR
+        kind = cl.mem_flags.USE_HOST_PTR if self._uses_host_memory else cl.mem_flags.COPY_HOST_PTR
         return cl.Buffer(self.context, cl.mem_flags.READ_WRITE | kind, hostbuf=values)
 
     def fetch_buffer(self, values: np.ndarray, buffer: Any, *, after: Any) -> None:
         """Wait for the event of a kernel and bring a shared buffer's contents into its array."""
-        if not self._in_host_memory:
+        if not self._uses_host_memory:
             cl.enqueue_copy(self.transfer_queue, values, buffer, wait_for=[after])
             return
         where = (0, values.shape, values.dtype)
@@ -140,10 +140,12 @@ class Device:
         mapped.base.release(self.transfer_queue)
 
     @property
-    def loops_over_items(self) -> bool:
+    def loops_over_work_items(self) -> bool:
         """Return whether kernels are compiled with a loop over the work-items between barriers."""
         return (
-            self.work_items > 1 and self.is_processor and _is_pocl_device(self.context.devices[0])
+            self.work_items_per_group > 1
+            and self.is_cpu
+            and _is_pocl_device(self.context.devices[0])
         )
 
     def workspace_buffer(self, numbers: int) -> Any:
@@ -165,16 +167,18 @@ class Device:
         """
         if count > MAX_POOLED_DOUBLES:
             return aligned_array(count)
-        array = self.arrays.pop() if self.arrays else aligned_array(MIN_POOLED_DOUBLES)
+        array = (
+            self.pooled_arrays.pop() if self.pooled_arrays else aligned_array(MIN_POOLED_DOUBLES)
+        )
         return array if array.size >= count else aligned_array(count)
 
     def release(self, *arrays: np.ndarray) -> None:
         """Let the next launches have some host arrays."""
         small = [array for array in arrays if array.size <= MAX_POOLED_DOUBLES]
-        self.arrays.extend(small[: MAX_POOLED_ARRAYS - len(self.arrays)])
+        self.pooled_arrays.extend(small[: MAX_POOLED_ARRAYS - len(self.pooled_arrays)])
 
     @cached_property
-    def _in_host_memory(self) -> bool:
+    def _uses_host_memory(self) -> bool:
         return bool(self.context.devices[0].host_unified_memory)
 
 
@@ -198,7 +202,7 @@ def choose_device(
     Raises:
         InputError: when no matching device computes in double precision.
     """
-    return _choose_device(option or os.environ.get(DEVICE_VARIABLE) or configured, work_items)
+    return _choose_device(option or os.environ.get(DEVICE_ENV_VARIABLE) or configured, work_items)
 
 
 @cache
@@ -238,10 +242,10 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         transfer_queue=cl.CommandQueue(context),
         name=device_name(device),
         groups=device.max_compute_units * (4 if on_gpu else 1),
-        work_items=work_items or (128 if on_gpu else 1),
+        work_items_per_group=work_items or (128 if on_gpu else 1),
         memory_bytes=device.global_mem_size,
-        is_processor=bool(device.type & cl.device_type.CPU),
-        register_bytes=64 if wide else 32,
+        is_cpu=bool(device.type & cl.device_type.CPU),
+        vector_register_bytes=64 if wide else 32,
         instruction_sets=instruction_sets,
     )
 
@@ -259,7 +263,7 @@ def device_name(device: Any) -> str:
     return f"{device.platform.name.strip()}: {device.name.strip()}"
 
 
-def describe(device: Device) -> dict[str, Any]:
+def device_properties(device: Device) -> dict[str, Any]:
     """Return the properties of the device for ``doctor`` and provenance."""
     handle = device.context.devices[0]
     return {
@@ -268,7 +272,7 @@ def describe(device: Device) -> dict[str, Any]:
         "driver": handle.driver_version.strip(),
         "double_precision": bool(handle.double_fp_config),
         "compute_units": handle.max_compute_units,
-        "work_items_per_group": device.work_items,
+        "work_items_per_group": device.work_items_per_group,
         "vector_bytes": 8 * device.vector_width(8),
         "instruction_sets": " ".join(device.instruction_sets) or "as the driver chooses",
         "global_memory_bytes": handle.global_mem_size,
@@ -276,7 +280,7 @@ def describe(device: Device) -> dict[str, Any]:
 
 
 @cache
-def kernel(
+def compiled_kernel(
     device: Device,
     name: str,
     *,
@@ -289,11 +293,11 @@ def kernel(
     are kept for the process and programs, by pyopencl and the driver, on disk.
     """
     sizes = (
-        f"WORK_ITEMS={device.work_items}",
+        f"WORK_ITEMS={device.work_items_per_group}",
         f"DOUBLE_LANES={device.vector_width(8)}",
         f"FLOAT_LANES={device.vector_width(4)}",
     )
-    return cl.Kernel(_built_program(device, header, sources, sizes), name)
+    return cl.Kernel(_cached_program(device, header, sources, sizes), name)
 
 
 def run_kernel(device: Device, kernel: Any, *arguments: Any, groups: int) -> Any:
@@ -304,7 +308,7 @@ def run_kernel(device: Device, kernel: Any, *arguments: Any, groups: int) -> Any
     """
     for position, argument in enumerate(arguments):
         kernel.set_arg(position, argument)
-    items = device.work_items
+    items = device.work_items_per_group
     return cl.enqueue_nd_range_kernel(device.queue, kernel, (groups * items,), (items,))
 
 
@@ -335,7 +339,7 @@ SLOW_BUILD_S = 1.0
 
 
 @cache
-def _built_program(
+def _cached_program(
     device: Device, header: str, sources: tuple[str, ...], defines: tuple[str, ...]
 ) -> Any:
     handle = device.context.devices[0]
@@ -344,14 +348,14 @@ def _built_program(
         sources, defines = ("builtins.cl", *sources), ("_OPENCL_H_", *defines)
     texts = [header, *((Path(__file__).parent / name).read_text("utf-8") for name in sources)]
     if device.instruction_sets:
-        texts = sources_compiled_for(device.instruction_sets, texts)
-    processor = nearest_known_processor(handle)
+        texts = sources_with_target_pragma(device.instruction_sets, texts)
+    processor = substitute_processor_name(handle)
     if processor:
         defines = (*defines, f"PROCESSOR_{processor.replace('-', '_')}")
     source, options = "\n".join(texts), [*BUILD_OPTIONS, *(f"-D{define}" for define in defines)]
     described = [source, *options, device.name, handle.version, handle.driver_version]
     name = hashlib.sha256("\0".join(described).encode()).hexdigest()
-    if not _is_pocl_device(handle) or is_known_intact(name):
+    if not _is_pocl_device(handle) or is_cached_program_intact(name):
         return _build_program(device, source, options)
     check_linker(shutil.which("ld"))
     started_s = time.time()
@@ -375,7 +379,7 @@ def _build_program(device: Device, source: str, options: Sequence[str]) -> Any:
         notice.cancel()
 
 
-def sources_compiled_for(instruction_sets: Sequence[str], texts: Sequence[str]) -> list[str]:
+def sources_with_target_pragma(instruction_sets: Sequence[str], texts: Sequence[str]) -> list[str]:
     """Return sources whose functions clang compiles for some instruction sets."""
     target = f'target("{",".join(instruction_sets)}")'
     begin = f"#pragma clang attribute push(__attribute__(({target})), apply_to = function)"
@@ -388,7 +392,7 @@ def announce_compilation() -> None:
     print_step("compiling kernels for this device: once, up to a minute")
 
 
-def nearest_known_processor(device: Any) -> str:
+def substitute_processor_name(device: Any) -> str:
     """The name under which an unknown processor is compiled for; empty for all other devices.
 
     From then on PoCL knows it under that name. Programs are to be built with it among their
@@ -421,7 +425,7 @@ def rename_processor(address: int, name: str) -> bool:
     library.strdup.restype = ctypes.c_void_p
     with Path("/proc/self/mem").open("rb", buffering=0) as memory:
         memory.seek(address)
-        record = memory.read(DEVICE_RECORD_BYTES)
+        record = memory.read(POCL_DEVICE_RECORD_BYTES)
         for offset in range(0, len(record) - 7, 8):
             (pointer,) = struct.unpack_from("=Q", record, offset)
             try:

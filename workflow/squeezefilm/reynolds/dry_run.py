@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import apply_with_bisection, unexpected_status
+from squeezefilm.errors import apply_with_bisection, unexpected_error_status
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.reynolds.grid import Grid, krylov_iteration_flops
 from squeezefilm.reynolds.periodic.resolution import first_grids
-from squeezefilm.reynolds.plan import plan_of
+from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.solver import known_solutions
 from squeezefilm.reynolds.terms import Terms, absent_terms, terms_label
 from squeezefilm.solution import Solution
@@ -40,7 +40,7 @@ def dry_run(
         return _dry_run_rows(some, tolerance=tolerance, method=method)
 
     def row_of_error(error: Exception) -> dict[str, Any]:
-        none = Solution(method=method, status=unexpected_status(error))
+        none = Solution(method=method, status=unexpected_error_status(error))
         return _dry_run_row(none, terms="", absent=(), expected_error=np.nan)
 
     return apply_with_bisection(dry_run_rows, Scenes.of(scenes), failed=row_of_error)
@@ -51,11 +51,11 @@ def _dry_run_row(solution: Solution, *, terms: str, **more: Any) -> dict[str, An
         name: terms if name == "terms" else getattr(solution, name)
         for name in SHOWN_SOLUTION_COLUMNS
     }
-    return shown | more | {"expected_mflop": solution.work / 1e6}
+    return shown | more | {"expected_mflop": solution.operation_count / 1e6}
 
 
 def _dry_run_rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict[str, Any]]:
-    plan = plan_of(scenes)
+    plan = solve_plan_of(scenes)
     solutions, found = known_solutions(plan, tolerance=tolerance, method=method)
     expected_error = np.full(len(scenes), np.nan)
     expected_error[found.rows] = found.relative_error
@@ -66,7 +66,7 @@ def _dry_run_rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict
     for rows, terms, grids in first:
         solutions.nx[rows], solutions.ny[rows] = grids[-1].across
         solutions.nt[rows] = grids[-1].nt
-        solutions.work[rows] = _expected_flops(
+        solutions.operation_count[rows] = _expected_flops(
             scenes.closure[rows], terms, grids, tolerance=tolerance
         )
     labels = [terms_label(terms) for terms in plan.term_sets]
@@ -79,7 +79,7 @@ def _dry_run_rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict
             expected_error=error,
         )
         for solution, kind, error in zip(
-            solutions, plan.term_set.tolist(), expected_error.tolist(), strict=True
+            solutions, plan.term_set_index.tolist(), expected_error.tolist(), strict=True
         )
     ]
 

@@ -7,28 +7,29 @@ from math import ceil, isfinite
 import numpy as np
 
 from squeezefilm.film.scene import Scenes
-from squeezefilm.reynolds.grid import Grid, carrying_matrices
-from squeezefilm.reynolds.terms import Terms, have_velocities
+from squeezefilm.reynolds.grid import Grid, interpolation_matrices
+from squeezefilm.reynolds.terms import Terms, have_velocity_terms
 
 # The moments of a change may be small by chance where its size is not. So this share of the size
 # counts too, at tolerances of LOOSE_TOLERANCE and more, whose grids are coarse. Without it two
 # films (judged_films.csv in tests/numerics/data) are off by up to four times their estimate, with 2
 # % two others by 1.1 times.
-SIZE_FRACTION, LOOSE_TOLERANCE = 3e-2, 2e-5
+CHANGE_SIZE_FRACTION, LOOSE_TOLERANCE = 3e-2, 2e-5
 # Where changes fall by a factor q from grid to grid, q/(1 − q) of the last one is left. Grids grow
-# by unequal steps: RATIO_FACTOR times that is taken, enough for first order. MAX_CONVERGENCE_RATIO
-# limits it to thirty times the change, UNKNOWN_RATIO to no less than twice, as without two changes.
-RATIO_FACTOR = 3.0
+# by unequal steps: RATIO_SAFETY_FACTOR times that is taken, enough for first order.
+# MAX_CONVERGENCE_RATIO limits it to thirty times the change, DEFAULT_CONVERGENCE_RATIO to no less
+# than twice, as without two changes.
+RATIO_SAFETY_FACTOR = 3.0
 MAX_CONVERGENCE_RATIO = 10 / 11
-UNKNOWN_RATIO = 0.4
+DEFAULT_CONVERGENCE_RATIO = 0.4
 # While layers at the edge are thinner than nodes lie apart errors go up and down, and a change is
 # small where one turns: the least fall of films with thin layers.
-THIN_LAYER_RATIO = 0.5
+THIN_LAYER_CONVERGENCE_RATIO = 0.5
 # Of a gas with inertia, or that warms, changes creep or fall suddenly, so that none tells the next;
 # and where waves steepen grids agree by chance in all moments: at all tolerances this fraction
 # counts of what the grids resolve of a change, and of that no less than a share of the size, for
 # layers at the edge that they do not resolve yet.
-VELOCITY_SIZE_FRACTION, UNRESOLVED_SIZE_FRACTION = 0.7, 0.35
+VELOCITY_CHANGE_SIZE_FRACTION, UNRESOLVED_CHANGE_FRACTION = 0.7, 0.35
 # Share of the coarser grid's modes along each axis that it resolves; with half of them a film (σ
 # 2754) was off by 1.3 times its estimate.
 RESOLVED_MODES_FRACTION = 0.6
@@ -36,7 +37,7 @@ RESOLVED_MODES_FRACTION = 0.6
 RELATIVE_ROUND_OFF = 1e-14
 # How many times that, over the narrowest gap, an error may be whatever the force: what the
 # difference of two grids and an iteration stopped by rounding leave.
-ROUND_OFF_FACTOR = 4
+ALLOWED_ROUND_OFF_FACTOR = 4
 
 
 def estimate_errors(
@@ -67,22 +68,26 @@ def estimate_errors(
         The errors; how large they may be; the changes, (2, n).
     """
     # A mass error w moves the pressure by about n w/H.
-    residual_error = scenes.gas.polytropic_exponent / scenes.narrowest * results["residual"]
+    residual_error = (
+        scenes.gas.polytropic_exponent / scenes.narrowest_gap_ratio * results["residual"]
+    )
     size, size_before = results["size"], before[1]
-    velocities = have_velocities(terms)
-    least_change = SIZE_FRACTION * size if tolerance >= LOOSE_TOLERANCE else 0.0
+    velocities = have_velocity_terms(terms)
+    least_change = CHANGE_SIZE_FRACTION * size if tolerance >= LOOSE_TOLERANCE else 0.0
     if velocities:
-        resolved = np.maximum(results["resolved"], UNRESOLVED_SIZE_FRACTION * size)
-        least_change = VELOCITY_SIZE_FRACTION * resolved
+        resolved = np.maximum(results["resolved"], UNRESOLVED_CHANGE_FRACTION * size)
+        least_change = VELOCITY_CHANGE_SIZE_FRACTION * resolved
     moment = np.maximum(results["moment"], least_change)
-    ratio, known = np.full(len(results), UNKNOWN_RATIO), ~np.isnan(size_before)
+    ratio, known = np.full(len(results), DEFAULT_CONVERGENCE_RATIO), ~np.isnan(size_before)
     if known.any() and not velocities:
         # That of the moments, but no less than their sizes': chance may make moments small, or a
         # layer at the edge that the grids do not resolve yet.
         ratios = np.maximum(
             _convergence_ratio(moment, before[0]), _convergence_ratio(size, size_before)
         )
-        ratio = np.where(known, np.maximum(ratios, UNKNOWN_RATIO), UNKNOWN_RATIO)
+        ratio = np.where(
+            known, np.maximum(ratios, DEFAULT_CONVERGENCE_RATIO), DEFAULT_CONVERGENCE_RATIO
+        )
         # Moments fall no more than the size does: what goes beyond is chance. Without, films (ε
         # 0.02–0.3, σ 5e4–3e5) were off by 1.5 to 6 times their estimate.
         none = np.zeros(len(results))
@@ -99,7 +104,10 @@ def estimate_errors(
     round_off = RELATIVE_ROUND_OFF * results["largest"]
     error = error_per_change(ratio) * last_change + residual_error + round_off
     # What rounding leaves, of grids and of the iteration, is no reason for a finer one.
-    allowed = tolerance * np.abs(results["mean"]) + ROUND_OFF_FACTOR * round_off / scenes.narrowest
+    allowed = (
+        tolerance * np.abs(results["mean"])
+        + ALLOWED_ROUND_OFF_FACTOR * round_off / scenes.narrowest_gap_ratio
+    )
     return error, allowed, change
 
 
@@ -113,7 +121,7 @@ def resolved_change(before: tuple[Grid, np.ndarray], after: tuple[Grid, np.ndarr
         before, after: a grid and the means of films' pressures over a period there, (n, nx, ny).
     """
     (coarse, means_before), (fine, means) = before, after
-    _, to_fine_x, to_fine_y = carrying_matrices(coarse, fine, terms=()).values()
+    _, to_fine_x, to_fine_y = interpolation_matrices(coarse, fine, terms=()).values()
     count_x, count_y = (ceil(RESOLVED_MODES_FRACTION * count) for count in (coarse.nx, coarse.ny))
     to_modes_x, to_modes_y = fine.x.modes[2][:count_x], fine.y.modes[2][:count_y]
     with np.errstate(invalid="ignore", over="ignore"):  # where there is no state
@@ -130,7 +138,7 @@ def _convergence_ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:
 def error_per_change(ratio: np.ndarray | float) -> np.ndarray:
     """Return the remaining error in units of the last change, for a convergence ratio."""
     q = np.minimum(ratio, MAX_CONVERGENCE_RATIO)
-    return np.asarray(RATIO_FACTOR * q / (1 - q))
+    return np.asarray(RATIO_SAFETY_FACTOR * q / (1 - q))
 
 
 def too_large_error_text(error: float, *, allowed: float, force: float) -> str:

@@ -8,9 +8,17 @@ from math import sqrt
 
 import numpy as np
 
-from squeezefilm.film.outline import POLAR_COORDINATES, DiscCoordinates, Outline
+from squeezefilm.film.outline import DISC_COORDINATES, DiscCoordinates, Outline
 from squeezefilm.film.scene import HashedOnce
-from squeezefilm.reynolds.spectral import AngleAxis, Axis, Period, angle_axis, axis, period, radius
+from squeezefilm.reynolds.spectral import (
+    AngleAxis,
+    Axis,
+    TimeAxis,
+    cached_angle_axis,
+    cached_axis,
+    cached_radial_axis,
+    cached_time_axis,
+)
 from squeezefilm.reynolds.terms import Terms, preconditioner_count
 
 # Nodes across the pad beyond which none is tried: there rounding begins to show at 1e-6, and a
@@ -45,9 +53,9 @@ class Grid(HashedOnce):
 
     @cached_property
     def x(self) -> Axis:
-        if self.radial:
-            return radius(self.nx)
-        return axis(
+        if self.is_radial:
+            return cached_radial_axis(self.nx)
+        return cached_axis(
             self.nx,
             self.outline.symmetries_in_nu(self.fold_x, self.fold_y)[0]
             if self.outline
@@ -56,25 +64,25 @@ class Grid(HashedOnce):
 
     @cached_property
     def y(self) -> Axis | AngleAxis:
-        if self.radial:
-            return angle_axis(self.ny, True, True)
+        if self.is_radial:
+            return cached_angle_axis(self.ny, True, True)
         if self.outline is None:
-            return axis(self.ny, self.fold_y)
-        return angle_axis(self.ny, *self.outline.symmetries_in_nu(self.fold_x, self.fold_y))
+            return cached_axis(self.ny, self.fold_y)
+        return cached_angle_axis(self.ny, *self.outline.symmetries_in_nu(self.fold_x, self.fold_y))
 
     @property
-    def radial(self) -> bool:
+    def is_radial(self) -> bool:
         """Return whether the grid is along a disc's radius alone."""
         return self.ny == 1
 
     @property
     def coordinates(self) -> Outline | DiscCoordinates | None:
         """Return what x and y are coordinates of, unless they are those of a rectangle."""
-        return POLAR_COORDINATES if self.radial else self.outline
+        return DISC_COORDINATES if self.is_radial else self.outline
 
     @property
-    def t(self) -> Period:
-        return period(self.nt)
+    def t(self) -> TimeAxis:
+        return cached_time_axis(self.nt)
 
     @cached_property
     def positions(self) -> tuple[np.ndarray, np.ndarray]:
@@ -86,13 +94,13 @@ class Grid(HashedOnce):
     @cached_property
     def density(self) -> np.ndarray | float:
         """Area of the pad that the unknowns stand for, over the mean, shape (nx, ny) or 1."""
-        return self.area(self.x.nodes) * self.mean_area
+        return self.area(self.x.nodes) * self.inverse_mean_area
 
     @property
-    def mean_area(self) -> float:
+    def inverse_mean_area(self) -> float:
         """One over the mean of ``area`` over the pad."""
         return (
-            self.outline.mean_edge_area_ratio / self.outline.mean_area_ratio
+            self.outline.mean_edge_jacobian / self.outline.mean_map_jacobian
             if self.outline
             else 1.0
         )
@@ -104,30 +112,33 @@ class Grid(HashedOnce):
         """
         if self.outline is None:
             return 1.0
-        return self.outline.area_ratio(*self._mu_nu(across)) / self.outline.mean_edge_area_ratio
+        return (
+            self.outline.map_jacobian(*self._mu_nu_coordinates(across))
+            / self.outline.mean_edge_jacobian
+        )
 
-    def map_slope(self, across: np.ndarray) -> np.ndarray | float:
+    def conformal_map_slope(self, across: np.ndarray) -> np.ndarray | float:
         """z′ of an outline there, by the same lengths; 1 under a rectangle."""
         if self.outline is None:
             return 1.0
-        return self.outline.map_slope(*self._mu_nu(across)) / sqrt(
-            self.outline.mean_edge_area_ratio
+        return self.outline.conformal_map_slope(*self._mu_nu_coordinates(across)) / sqrt(
+            self.outline.mean_edge_jacobian
         )
 
-    def map_log_slope(self, across: np.ndarray) -> np.ndarray | float:
+    def conformal_map_log_slope(self, across: np.ndarray) -> np.ndarray | float:
         """z″/z′ of an outline there, by the same lengths; 0 under a rectangle."""
         if self.outline is None:
             return 0.0
-        return self.outline.map_log_slope(*self._mu_nu(across)) / sqrt(
-            self.outline.mean_edge_area_ratio
+        return self.outline.conformal_map_log_slope(*self._mu_nu_coordinates(across)) / sqrt(
+            self.outline.mean_edge_jacobian
         )
 
-    def _mu_nu(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _mu_nu_coordinates(self, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return μ and ν there."""
         assert self.outline
         return self.outline.edge_mu * (2 * across[:, None] - 1), self.y.nodes
 
-    def lengths(self, aspect: float) -> tuple[float, float]:
+    def axis_lengths(self, aspect: float) -> tuple[float, float]:
         """Return the lengths of the axes' units; the x side is 1, the y side ``aspect``.
 
         Under an outline they are such that the film equation has the area behind a point, over the
@@ -135,14 +146,14 @@ class Grid(HashedOnce):
         """
         if self.outline is None:
             return 1.0, aspect
-        unit = sqrt(self.outline.mean_edge_area_ratio)
+        unit = sqrt(self.outline.mean_edge_jacobian)
         return 2 * self.outline.edge_mu * unit, unit
 
     def nodes_per_length(self, aspect: float) -> tuple[float, float]:
         """Nodes of each axis for a unit of its length; those around lie as far apart as so few."""
-        length_x, length_y = self.lengths(aspect)
+        length_x, length_y = self.axis_lengths(aspect)
         sides = 4 if self.outline else 1
-        return self.x.full_points / length_x, self.y.full_points / (sides * length_y)
+        return self.x.full_point_count / length_x, self.y.full_point_count / (sides * length_y)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -151,10 +162,10 @@ class Grid(HashedOnce):
     @cached_property
     def across(self) -> tuple[int, int]:
         """Nodes across the pad along x and y; one around for a film without angle."""
-        return self.x.full_points, 1 if self.radial else self.y.full_points
+        return self.x.full_point_count, 1 if self.is_radial else self.y.full_point_count
 
     @cached_property
-    def in_space(self) -> Grid:
+    def space_grid(self) -> Grid:
         """Return the grid of the same nodes across the pad that all of its kind share."""
         return replace(self, nt=4)
 
@@ -163,17 +174,17 @@ class Grid(HashedOnce):
         """Number of unknowns."""
         return self.nx * self.ny * self.nt
 
-    def has_nodes(self, nodes_x: float, nodes_y: float) -> bool:
+    def has_min_nodes(self, nodes_x: float, nodes_y: float) -> bool:
         """Return whether the grid has so many nodes across the pad along x and y."""
-        return self.x.full_points >= nodes_x and self.y.full_points >= nodes_y
+        return self.x.full_point_count >= nodes_x and self.y.full_point_count >= nodes_y
 
 
 @lru_cache(maxsize=256)
 def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.ndarray]:
     """The matrices of a grid over the period, under the names that kernels know them by."""
-    values_x, vectors_x, inverse_x = grid.x.modes_in_parts
-    values_y, vectors_y, inverse_y = grid.y.modes_in_parts
-    length_x, length_y = grid.lengths(aspect)
+    values_x, vectors_x, inverse_x = grid.x.even_odd_modes
+    values_y, vectors_y, inverse_y = grid.y.even_odd_modes
+    length_x, length_y = grid.axis_lengths(aspect)
     values_x, values_y = values_x / length_x**2, values_y / length_y**2
     parts = {
         "laplace_x": grid.x.second_derivative_parts / length_x**2,
@@ -186,8 +197,8 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
         "eigenvalues": np.add.outer(values_x, values_y),
         "eigenvalues_y": values_y,
         "weights": np.outer(grid.x.weights, grid.y.weights) * grid.density,
-        "moments_x": _moment_values(grid.x),
-        "moments_y": _moment_values(grid.y),
+        "moments_x": _cosine_moment_matrix(grid.x),
+        "moments_y": _cosine_moment_matrix(grid.y),
         "sine": np.sin(grid.t.nodes),
         "cosine": np.cos(grid.t.nodes),
     }
@@ -196,19 +207,19 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
     return parts
 
 
-def _moment_values(axis: Axis | AngleAxis) -> np.ndarray:
+def _cosine_moment_matrix(axis: Axis | AngleAxis) -> np.ndarray:
     """The moments without their weights, and the first, which is 1, once more: shape (n, 4)."""
-    cosines = axis.moments(MOMENT_COUNT) / axis.weights
+    cosines = axis.cosine_moment_matrix(MOMENT_COUNT) / axis.weights
     return np.stack([*cosines, cosines[0]], axis=1)
 
 
 @lru_cache(maxsize=256)
-def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np.ndarray]:
+def interpolation_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np.ndarray]:
     """Return the matrices that interpolate a state to a finer grid."""
     matrices = (coarse.t.at(fine.t.nodes).T, coarse.x.at(fine.x.nodes), coarse.y.at(fine.y.nodes))
     parts = dict(zip(INTERPOLATION_MATRIX_NAMES, matrices, strict=True))
     for term in terms:
-        parts.update(term.carrying_matrices(coarse, fine))
+        parts.update(term.interpolation_matrices(coarse, fine))
     return parts
 
 
@@ -216,9 +227,11 @@ def carrying_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np
 def krylov_iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     """Floating-point operations of one Krylov iteration's products."""
     in_space = (
-        2 + max(preconditioner_count(terms), 1) + sum(term.SPACE_MATRIX_PRODUCTS for term in terms)
+        2
+        + max(preconditioner_count(terms), 1)
+        + sum(term.SPACE_MATRIX_PRODUCT_COUNT for term in terms)
     )
-    in_time = 2 + sum(term.TIME_MATRIX_PRODUCTS for term in terms)
+    in_time = 2 + sum(term.TIME_MATRIX_PRODUCT_COUNT for term in terms)
     # Along x and y half of a row where an axis is whole.
-    row = grid.nx // (1 + grid.x.in_even_odd_parts) + grid.ny // (1 + grid.y.in_even_odd_parts)
+    row = grid.nx // (1 + grid.x.uses_even_odd_parts) + grid.ny // (1 + grid.y.uses_even_odd_parts)
     return 2.0 * grid.count * (in_space * row + in_time * grid.nt)

@@ -18,7 +18,7 @@ from squeezefilm.files import atomic_file
 # drivers' caches lie in the home directory: on a cluster that is shared by nodes that may differ,
 # over a network whose file locks may not work. The workflow therefore names, in jobs on other
 # nodes, a folder of the node's own disk.
-NODE_CACHE_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
+NODE_CACHE_ENV_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
 # A shared disk's clock may be another.
 MAX_CLOCK_DIFFERENCE_S = 10.0
 ELF_HEADER_BYTES = 64
@@ -26,7 +26,7 @@ ELF_HEADER_BYTES = 64
 LINKED_KERNEL_PATTERN, PROGRAM_NAMES_FOLDER = "*/*/*.so", "squeezefilm"
 
 
-def kernel_cache() -> Path:
+def kernel_cache_folder() -> Path:
     """Return the folder in which PoCL keeps compiled kernels."""
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     return Path(os.environ.get("POCL_CACHE_DIR") or home / "pocl" / "kcache")
@@ -34,7 +34,7 @@ def kernel_cache() -> Path:
 
 def check_kernel_cache() -> None:
     """Raise InputError where PoCL cannot write compiled kernels: it then has no device."""
-    folder = kernel_cache()
+    folder = kernel_cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -47,11 +47,13 @@ def check_kernel_cache() -> None:
         ) from None
 
 
-def is_known_intact(name: str) -> bool:
+def is_cached_program_intact(name: str) -> bool:
     """Return whether a program that ``record_cached_program`` has named is whole in PoCL's cache,
     and linked."""
     try:
-        program = kernel_cache() / (kernel_cache() / PROGRAM_NAMES_FOLDER / name).read_text("utf-8")
+        program = kernel_cache_folder() / (
+            kernel_cache_folder() / PROGRAM_NAMES_FOLDER / name
+        ).read_text("utf-8")
         return any(program.glob(LINKED_KERNEL_PATTERN)) and _is_intact_program(program)
     except OSError:
         return False
@@ -59,7 +61,7 @@ def is_known_intact(name: str) -> bool:
 
 def record_cached_program(name: str, *, since_s: float) -> None:
     """Name the program that PoCL has used since then, where it is just one, for
-    ``is_known_intact``.
+    ``is_cached_program_intact``.
 
     Looking for it among all programs of a large cache takes longer than it takes to load.
     """
@@ -67,9 +69,9 @@ def record_cached_program(name: str, *, since_s: float) -> None:
     if len(used) == 1:
         with (
             suppress(InputError),
-            atomic_file(kernel_cache() / PROGRAM_NAMES_FOLDER / name) as path,
+            atomic_file(kernel_cache_folder() / PROGRAM_NAMES_FOLDER / name) as path,
         ):
-            path.write_text(str(used[0].relative_to(kernel_cache())), "utf-8")
+            path.write_text(str(used[0].relative_to(kernel_cache_folder())), "utf-8")
 
 
 def remove_damaged_programs(*, since_s: float) -> bool:
@@ -95,7 +97,7 @@ def remove_damaged_programs(*, since_s: float) -> bool:
 
 
 def _programs_used_since(*, since_s: float) -> Iterator[Path]:
-    for accessed in kernel_cache().glob("*/*/last_accessed"):  # PoCL's mark of a use
+    for accessed in kernel_cache_folder().glob("*/*/last_accessed"):  # PoCL's mark of a use
         with suppress(OSError):  # another process removes it
             if accessed.stat().st_mtime >= since_s:
                 yield accessed.parent
@@ -128,7 +130,7 @@ def is_complete_binary(path: Path) -> bool:
 
 
 @contextmanager
-def one_build_at_a_time() -> Iterator[None]:
+def build_lock() -> Iterator[None]:
     """Choose the device and build within: from the node's cache, or waiting for who fills it.
 
     The lock goes with the process that holds it, however that ends.
@@ -151,10 +153,12 @@ def _node_cache_folder() -> Path | None:
 
     It must be the user's own, for what lies in it is run.
     """
-    if not os.environ.get(NODE_CACHE_VARIABLE):
+    if not os.environ.get(NODE_CACHE_ENV_VARIABLE):
         return None
     # A user's own folder, and a host's: where the disk is shared after all, nodes do not meet.
-    folder = Path(os.environ[NODE_CACHE_VARIABLE]) / f"squeezefilm-{os.getuid()}" / platform.node()
+    folder = (
+        Path(os.environ[NODE_CACHE_ENV_VARIABLE]) / f"squeezefilm-{os.getuid()}" / platform.node()
+    )
     try:
         folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         owner = folder.parent.lstat()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.reynolds.terms import KERNEL_HOOKS, Terms
+from squeezefilm.reynolds.terms import KERNEL_HOOK_PARAMETERS, Terms
 
 C_TYPES = {"float64": "double", "int64": "long"}
 # Index of an array that is absent; it stays below zero whatever is added to it.
@@ -26,7 +26,7 @@ def c_struct(name: str, row: np.dtype[Any]) -> str:
     return f"typedef struct {{ {' '.join(members)} }} {name};"
 
 
-def with_absent_numbers(numbers: np.ndarray, terms: Terms) -> np.ndarray:
+def fill_absent_numbers(numbers: np.ndarray, terms: Terms) -> np.ndarray:
     """Return rows of numbers with all that a program's terms have; what a film lacks is 0."""
     kind = _row_type_in_program(numbers.dtype, terms)
     if kind == numbers.dtype:
@@ -45,7 +45,7 @@ def with_absent_numbers(numbers: np.ndarray, terms: Terms) -> np.ndarray:
 def _row_type_in_program(own: np.dtype[Any], terms: Terms) -> np.dtype[Any]:
     kinds = {name: own[name] for name in own.names or ()}
     for term in terms:
-        for name, count in term.NUMBER_WIDTHS.items():
+        for name, count in term.EQUATION_NUMBER_WIDTHS.items():
             kinds[name] = np.dtype((np.float64, (count,) if count else ()))
     return np.dtype(sorted(kinds.items()))
 
@@ -53,37 +53,41 @@ def _row_type_in_program(own: np.dtype[Any], terms: Terms) -> np.dtype[Any]:
 def c_hook_calls(terms: Terms) -> str:
     """Every hook of the equation as the calls of the terms that fill it."""
     lines = []
-    for hook, parameters in KERNEL_HOOKS.items():
+    for hook, parameters in KERNEL_HOOK_PARAMETERS.items():
         calls = [f"{hook}_{term.NAME}{parameters};" for term in terms if hook in term.KERNEL_HOOKS]
         lines.append(f"#define TERMS_{hook.upper()}{parameters} {' '.join(calls)}")
     return "\n".join(lines)
 
 
 @dataclass(frozen=True, eq=False)
-class Packed:
+class PackedArrays:
     """Arrays of like items behind each other, a row for each item.
 
     Attributes:
         names: of the arrays.
         values: shape (items, size of a row).
-        starts: where each begins in its row, on each stage: shape (stages, names).
+        start_indices: where each begins in its row, on each stage: shape (stages, names).
     """
 
     names: tuple[str, ...]
     values: np.ndarray
-    starts: np.ndarray
+    start_indices: np.ndarray
 
     @classmethod
-    def of_rows(cls, parts: Sequence[Packed]) -> Packed:
+    def join_rows(cls, parts: Sequence[PackedArrays]) -> PackedArrays:
         """Join several packed tables with equal arrays."""
         if len(parts) == 1:
             return parts[0]
         return cls(
-            parts[0].names, np.concatenate([packed.values for packed in parts]), parts[0].starts
+            parts[0].names,
+            np.concatenate([packed.values for packed in parts]),
+            parts[0].start_indices,
         )
 
 
-def packed(stages: Sequence[Mapping[str, np.ndarray]], *, absent: Sequence[str] = ()) -> Packed:
+def pack_arrays(
+    stages: Sequence[Mapping[str, np.ndarray]], *, absent: Sequence[str] = ()
+) -> PackedArrays:
     """Arrays whose first axis counts items, under the same names on every stage.
 
     Each begins where kernels can read four numbers at once.
@@ -104,16 +108,16 @@ def packed(stages: Sequence[Mapping[str, np.ndarray]], *, absent: Sequence[str] 
     values = np.zeros((count, end))
     for where, row in rows:
         values[:, where] = row
-    return Packed(names, values, starts)
+    return PackedArrays(names, values, starts)
 
 
-Columns = tuple[tuple[str, ...], np.ndarray]
+NamedIntegerColumns = tuple[tuple[str, ...], np.ndarray]
 """Names of whole numbers, and these: the same for all scenes, for each stage or for each scene and
 stage, of shape (names,), (stages, names) or (scenes, stages, names)."""
 
 
-def rows_of(
-    columns: Sequence[Columns], *, numbers: np.ndarray, tolerance: np.ndarray
+def kernel_rows(
+    columns: Sequence[NamedIntegerColumns], *, numbers: np.ndarray, tolerance: np.ndarray
 ) -> tuple[np.dtype[Any], np.ndarray]:
     """Rows for a kernel, scene by scene one for each stage, as plain numbers, and their type.
 

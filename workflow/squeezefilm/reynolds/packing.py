@@ -11,22 +11,24 @@ import numpy as np
 
 from squeezefilm.film.scene import PadPositions, Scenes
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.layout import Packed, packed
-from squeezefilm.reynolds.terms import Terms, distinct_terms, equation_numbers
+from squeezefilm.reynolds.layout import PackedArrays, pack_arrays
+from squeezefilm.reynolds.terms import Terms, distinct_term_sets, equation_numbers
 
 # Numbers of what is kept of the profile at some positions, where it is asked for again for many
 # gaps and amplitudes; more are found anew.
 MAX_CACHED_VALUES = 100_000
 
 
-def gap_parts(scenes: Scenes, grid: Grid) -> np.ndarray:
+def gap_components(scenes: Scenes, grid: Grid) -> np.ndarray:
     """The parts of each scene's gap, (n, parts, nodes along x, nodes along y).
 
     Of the gap 1 + ε s sin T the profile s, or of any gap (terms/gap.py) s₁, s₂ and by how many
     metres the gap at rest is wider than h0, on all nodes of the grid's axes, ends and mirror images
     included.
     """
-    parts, which = scenes.find_at_positions(lambda places: _gap_parts_at_positions(places, grid))
+    parts, which = scenes.evaluate_at_positions(
+        lambda places: _gap_components_at_positions(places, grid)
+    )
     return np.concatenate(parts)[which]
 
 
@@ -36,7 +38,7 @@ def common_terms(scenes: Scenes) -> Terms:
     Raises:
         ValueError: for scenes of unlike terms.
     """
-    terms, _ = distinct_terms(scenes)
+    terms, _ = distinct_term_sets(scenes)
     if len(terms) != 1:
         raise ValueError("a batch is of scenes with like terms")
     return terms[0]
@@ -60,8 +62,8 @@ def _numbers_row_type(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
     return np.dtype([(name, np.float64, (width,) if width else ()) for name, width in widths])
 
 
-def _gap_parts_at_positions(places: PadPositions, grid: Grid) -> np.ndarray:
-    """The gap's parts at each position, as of ``gap_parts``."""
+def _gap_components_at_positions(places: PadPositions, grid: Grid) -> np.ndarray:
+    """The gap's parts at each position, as of ``gap_components``."""
     x, y = grid.positions
     values, gap = places.parts(x, y), places.pad_profile.pad.gap
     if not gap.flat or len(values) == 2:
@@ -73,33 +75,36 @@ def _gap_parts_at_positions(places: PadPositions, grid: Grid) -> np.ndarray:
 
 def packed_profiles(
     scenes: Scenes, grids: Sequence[Grid], terms: Terms
-) -> tuple[Packed, np.ndarray, np.ndarray]:
+) -> tuple[PackedArrays, np.ndarray, np.ndarray]:
     """The profile under the pad as kernels read it, once for each position.
 
     Returns:
         The fields at each position on each grid; which of the positions each scene has, (n,); the
         gap's parts averaged over the pad, of each scene, (n, parts).
     """
-    in_space = tuple([grid.in_space for grid in grids])
+    in_space = tuple([grid.space_grid for grid in grids])
 
-    def find_profiles(places: PadPositions) -> tuple[Packed, np.ndarray]:
+    def find_packed_profiles(places: PadPositions) -> tuple[PackedArrays, np.ndarray]:
         if len(places.x_m) * grids[-1].nx * grids[-1].ny * 8 > MAX_CACHED_VALUES:
             return _packed_profiles_at_positions(places, in_space, terms)
-        return places.cached(_packed_profiles_at_positions, in_space, terms)
+        return places.compute_cached(_packed_profiles_at_positions, in_space, terms)
 
-    found, which = scenes.find_at_positions(find_profiles)
-    fields = Packed.of_rows([each for each, _ in found])
+    found, which = scenes.evaluate_at_positions(find_packed_profiles)
+    fields = PackedArrays.join_rows([each for each, _ in found])
     return fields, which, np.concatenate([means for _, means in found])[which]
 
 
 def _packed_profiles_at_positions(
     places: PadPositions, grids: tuple[Grid, ...], terms: Terms
-) -> tuple[Packed, np.ndarray]:
-    parts, pad = [_gap_parts_at_positions(places, grid) for grid in grids], places.pad_profile.pad
+) -> tuple[PackedArrays, np.ndarray]:
+    parts, pad = (
+        [_gap_components_at_positions(places, grid) for grid in grids],
+        places.pad_profile.pad,
+    )
     aspect = pad.length_y_m / pad.length_x_m
     on_grids = zip(parts, grids, strict=True)
     fields = [profile_fields(each, grid, terms=terms, aspect=aspect) for each, grid in on_grids]
-    return packed(fields), mean_gap_parts(parts[-1], grids[-1])
+    return pack_arrays(fields), mean_gap_components(parts[-1], grids[-1])
 
 
 def profile_fields(
@@ -110,7 +115,7 @@ def profile_fields(
     Each of shape (places, parts, nx, ny). Derivatives are those of the interpolating polynomial,
     lengths in units of the pad's x side.
     """
-    length_x, length_y = grid.lengths(aspect)
+    length_x, length_y = grid.axis_lengths(aspect)
     along_x = grid.x.derivative @ parts / length_x
     along_y = parts @ grid.y.derivative.T / length_y
     everywhere = {
@@ -127,7 +132,7 @@ def profile_fields(
     return fields
 
 
-def mean_gap_parts(parts: np.ndarray, grid: Grid) -> np.ndarray:
+def mean_gap_components(parts: np.ndarray, grid: Grid) -> np.ndarray:
     """The gap's parts averaged over the pad, shape (places, parts).
 
     The rule neglects the ends; what it gives them is small, and the mean is no result.

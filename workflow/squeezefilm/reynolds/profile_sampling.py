@@ -19,11 +19,17 @@ from squeezefilm.film.profiles import narrow_feature_points
 from squeezefilm.film.scene import PadPositions
 from squeezefilm.film.symmetry import ROUNDING_TOLERANCE
 from squeezefilm.reynolds.grid import MAX_NODES_ACROSS
-from squeezefilm.reynolds.spectral import AngleAxis, Axis, angle_axis, axis, period
+from squeezefilm.reynolds.spectral import (
+    AngleAxis,
+    Axis,
+    cached_angle_axis,
+    cached_axis,
+    cached_time_axis,
+)
 
 SAMPLED_NODE_COUNTS = (24, 48, 96, 192, MAX_NODES_ACROSS)
 # Points at which the first interpolant is checked, and the others, which are tried where it fails.
-FIRST_CHECK_POINTS, LATER_CHECK_POINTS = 100, 1000
+FIRST_CHECK_POINT_COUNT, LATER_CHECK_POINT_COUNT = 100, 1000
 # Numbers of samples that are worked on at a time: more would fall out of the caches.
 SAMPLES_PER_BATCH = 2**17
 
@@ -31,31 +37,31 @@ PadCoordinates = Outline | DiscCoordinates | None
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class ProfileResolution:
     """Resolution of profiles by Chebyshev grids, relative to the largest value under the pad.
 
     Attributes:
         interpolation_error: largest difference of interpolant and profile at points that are no
             nodes, (n,).
-        largest_error: where, in [0, 1] across the pad: (n, 2).
+        largest_error_position: where, in [0, 1] across the pad: (n, 2).
         curvature: largest |∂²s/∂X²|, |∂²s/∂Y²| of the interpolant, lengths in units of the pad's
             sides: (n, 2).
         tail: what an interpolant with k nodes along x, y misses of this one: (n, 2, most k + 1).
     """
 
     interpolation_error: np.ndarray
-    largest_error: np.ndarray
+    largest_error_position: np.ndarray
     curvature: np.ndarray
     tail: np.ndarray
 
-    def __getitem__(self, rows: np.ndarray | slice) -> Samples:
-        return Samples(*(each[rows] for each in vars(self).values()))
+    def __getitem__(self, rows: np.ndarray | slice) -> ProfileResolution:
+        return ProfileResolution(*(each[rows] for each in vars(self).values()))
 
     def nodes(self, fraction: float) -> np.ndarray:
         """Nodes along x and y that miss no more than a share, (n, 2)."""
         return np.argmax(self.tail <= fraction, axis=2)
 
-    def interpolation_error_with(
+    def error_with_node_counts(
         self, nodes: tuple[int, int], rows: np.ndarray | slice
     ) -> np.ndarray:
         """Return the errors of interpolants with so many nodes along x, y, (n, 2)."""
@@ -76,19 +82,19 @@ class SampledProfiles:
         self.places, self.coordinates = places, coordinates
         self.even_x, self.even_y = np.empty((2, count), dtype=bool)
         self._largest = np.empty(count)
-        self._samples: list[Samples | None] = [None] * len(SAMPLED_NODE_COUNTS)
+        self._samples: list[ProfileResolution | None] = [None] * len(SAMPLED_NODE_COUNTS)
         self._row = np.full((len(SAMPLED_NODE_COUNTS), count), -1)
-        self._at: dict[float, Samples] = {}
-        self._landmarks = _landmarks_under(places)
-        self._sample(0, np.arange(count))
+        self._at: dict[float, ProfileResolution] = {}
+        self._landmarks = _landmarks_under_pad(places)
+        self._sample_level(0, np.arange(count))
 
-    def at(self, fraction: float) -> Samples:
+    def at(self, fraction: float) -> ProfileResolution:
         """Return samples of the first level whose error is at most a fraction, else the last."""
         if fraction not in self._at:
             rows = np.arange(len(self._largest))
             parts, which = [], []
             for level in range(len(SAMPLED_NODE_COUNTS)):
-                self._sample(level, rows[self._row[level, rows] < 0])
+                self._sample_level(level, rows[self._row[level, rows] < 0])
                 samples = self._samples[level]
                 assert samples is not None
                 found = samples[self._row[level, rows]]
@@ -101,14 +107,16 @@ class SampledProfiles:
                 if not rows.size:
                     break
             order = np.argsort(np.concatenate(which))
-            self._at[fraction] = parts[0] if len(parts) == 1 else joined_samples(parts)[order]
+            self._at[fraction] = (
+                parts[0] if len(parts) == 1 else join_profile_resolutions(parts)[order]
+            )
         return self._at[fraction]
 
     def narrowest_feature_m(self) -> float:
         """Width in metres, at half height, of the profile's least resolved feature."""
         first, place, pad = self._samples[0], self.places, self.places.pad_profile.pad
         assert first is not None
-        x, y = first.largest_error[0]
+        x, y = first.largest_error_position[0]
         angle = np.pi / 4 * np.arange(8)
         way_m = pad.length_x_m * np.geomspace(1e-6, 1, 300)
         values = place.parts(
@@ -120,7 +128,7 @@ class SampledProfiles:
         far = (changed >= first.interpolation_error[0] * self._largest[0] / 2).any(axis=1)
         return float(2 * way_m[np.argmax(far) if far.any() else -1])
 
-    def _sample(self, level: int, rows: np.ndarray) -> None:
+    def _sample_level(self, level: int, rows: np.ndarray) -> None:
         """Sample a level at some positions, together as many as fit the caches."""
         if not rows.size:
             return
@@ -141,10 +149,10 @@ class SampledProfiles:
             parts.append(samples)
             if level == 0:
                 self._find_symmetries(some, samples, s, between)
-        self._samples[level] = joined_samples(parts)
+        self._samples[level] = join_profile_resolutions(parts)
 
     def _find_symmetries(
-        self, rows: np.ndarray, first: Samples, s: np.ndarray, between: np.ndarray
+        self, rows: np.ndarray, first: ProfileResolution, s: np.ndarray, between: np.ndarray
     ) -> None:
         """Find symmetries from the values of the first level, at the nodes and between them."""
         self._largest[rows] = _largest_magnitude(s, between)
@@ -164,7 +172,7 @@ class SampledProfiles:
                 even[rows[closer]] = far <= same[closer]
 
 
-def joined_samples(parts: Sequence[Samples]) -> Samples:
+def join_profile_resolutions(parts: Sequence[ProfileResolution]) -> ProfileResolution:
     """Concatenate samples; tails are padded with zeros beyond their last node."""
     if len(parts) == 1:
         return parts[0]
@@ -173,9 +181,9 @@ def joined_samples(parts: Sequence[Samples]) -> Samples:
     tails = [np.pad(each.tail, beyond) for each, beyond in zip(parts, more, strict=True)]
     missed, worst, curvature = (
         np.concatenate([getattr(each, name) for each in parts])
-        for name in ("interpolation_error", "largest_error", "curvature")
+        for name in ("interpolation_error", "largest_error_position", "curvature")
     )
-    return Samples(missed, worst, curvature, np.concatenate(tails))
+    return ProfileResolution(missed, worst, curvature, np.concatenate(tails))
 
 
 def _largest_magnitude(s: np.ndarray, between: np.ndarray) -> np.ndarray:
@@ -197,7 +205,7 @@ def _sample_profiles(
     places: PadPositions,
     sampler: _SamplingMatrices,
     landmarks: tuple[np.ndarray, np.ndarray] | None,
-) -> tuple[Samples, np.ndarray, np.ndarray]:
+) -> tuple[ProfileResolution, np.ndarray, np.ndarray]:
     """Samples of a profile, its parts on a grid's nodes, ends included, and between them.
 
     A complex profile has two parts, and needs what the worse of them needs.
@@ -212,8 +220,8 @@ def _sample_profiles(
             u, v = sampler.coordinates.coordinates(u, v)
             landmarks = sampler.coordinates.positions(u, v)
         x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
-        to_x = np.vstack([to_x, sampler.line.to_points(u)])
-        to_y = np.vstack([to_y, sampler.across.to_points(v)])
+        to_x = np.vstack([to_x, sampler.line.matrix_to_points(u)])
+        to_y = np.vstack([to_y, sampler.across.matrix_to_points(v)])
     everywhere = places.parts(np.append(sampler.grid_x, x), np.append(sampler.grid_y, y))
     nodes = len(sampler.line.all_nodes), len(sampler.across.all_nodes)
     s = everywhere[..., : sampler.grid_x.size].reshape(*everywhere.shape[:2], *nodes)
@@ -231,9 +239,9 @@ def _sample_profiles(
         ]
     worst = np.argmax(missed, axis=1)
     tails = [_tail_sums(coefficients.sum(axis=2)), _tail_sums(coefficients.sum(axis=1))]
-    samples = Samples(
+    samples = ProfileResolution(
         interpolation_error=missed[np.arange(len(worst)), worst],
-        largest_error=np.stack([x[worst], y[worst]], axis=1),
+        largest_error_position=np.stack([x[worst], y[worst]], axis=1),
         curvature=np.stack(curvature, axis=1),
         tail=np.stack(tails, axis=1),
     )
@@ -268,11 +276,13 @@ class _SamplingMatrices:
 
     def __init__(self, points: int, coordinates: PadCoordinates) -> None:
         self.coordinates = coordinates
-        self.line = line = axis(points, False)
-        across: Axis | AngleAxis = angle_axis(points + 2, False, False) if coordinates else line
+        self.line = line = cached_axis(points, False)
+        across: Axis | AngleAxis = (
+            cached_angle_axis(points + 2, False, False) if coordinates else line
+        )
         self.across, order = across, points + 1
         u, v = _points_between_nodes(
-            FIRST_CHECK_POINTS if points == SAMPLED_NODE_COUNTS[0] else LATER_CHECK_POINTS
+            FIRST_CHECK_POINT_COUNT if points == SAMPLED_NODE_COUNTS[0] else LATER_CHECK_POINT_COUNT
         )
         ends = np.ones(order + 1)
         ends[[0, -1]] = 0.5
@@ -286,10 +296,10 @@ class _SamplingMatrices:
             v = 2 * np.pi * v
             self.grid_x, self.grid_y = coordinates.positions(self.grid_x, self.grid_y)
             self.x, self.y = coordinates.positions(u, v)
-            turns = period(points + 2)
-            rising = np.argsort(turns.harmonics, kind="stable")
-            self.to_coefficients_y = turns.fourier[rising] * np.sqrt(2 / (points + 2))
-        self.to_x, self.to_y = line.to_points(u), across.to_points(v)
+            turns = cached_time_axis(points + 2)
+            rising = np.argsort(turns.harmonic_orders, kind="stable")
+            self.to_coefficients_y = turns.fourier_matrix[rising] * np.sqrt(2 / (points + 2))
+        self.to_x, self.to_y = line.matrix_to_points(u), across.matrix_to_points(v)
         self.twice = line.derivative @ line.derivative
         self.twice_y = across.derivative @ across.derivative
 
@@ -297,7 +307,7 @@ class _SamplingMatrices:
 _sampling_matrices = lru_cache(maxsize=8 * len(SAMPLED_NODE_COUNTS))(_SamplingMatrices)
 
 
-def _landmarks_under(places: PadPositions) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+def _landmarks_under_pad(places: PadPositions) -> dict[int, tuple[np.ndarray, np.ndarray]]:
     """The profile's landmarks under the pad, in [0, 1] across it, where there are any."""
     x_m, y_m = narrow_feature_points(places.pad_profile.profile)
     if not len(x_m):
@@ -308,6 +318,6 @@ def _landmarks_under(places: PadPositions) -> dict[int, tuple[np.ndarray, np.nda
     x, y = 0.5 + along_x / pad.length_x_m, 0.5 + along_y / pad.length_y_m
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
     if pad.smooth_outline:
-        inside &= pad.within(x, y)
+        inside &= pad.contains_positions(x, y)
     some = np.flatnonzero(inside.any(axis=1)).tolist()
     return {row: (x[row, inside[row]], y[row, inside[row]]) for row in some}

@@ -16,15 +16,15 @@ from pathlib import Path
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.pad import GapShape, Pad
-from squeezefilm.film.profiles import Quadrature, Sinc, StandingWave
+from squeezefilm.film.profiles import QuadratureProfile, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.lazy import pd
-from squeezefilm.reynolds.device import DEVICE_VARIABLE, Device, choose_device
+from squeezefilm.reynolds.device import DEVICE_ENV_VARIABLE, Device, choose_device
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.kernel_cache import kernel_cache
+from squeezefilm.reynolds.kernel_cache import kernel_cache_folder
 from squeezefilm.reynolds.periodic.launch import grid_on_pad, solve_batch
 
-STORED_FORCES = Path(__file__).with_name("self_test.csv")
+STORED_FORCES_PATH = Path(__file__).with_name("self_test.csv")
 FORCE_TOLERANCE = 1e-9
 ITERATION_TOLERANCE = 1e-11
 TEST_PROFILE = Sinc(wave_number_per_m=100.0)
@@ -32,7 +32,7 @@ TEST_PAD = Pad(1e-2, 1e-2, 0.0)
 TEST_GAS = Gas(1.8e-5, 1e5, 1.2, 7e-8, inertia="none", thermal="none")
 
 
-def test_films() -> dict[str, tuple[Scene, Grid]]:
+def test_cases() -> dict[str, tuple[Scene, Grid]]:
     """Films that have every term among them, and the points of their grids (``grid_on_pad``)."""
     whole = Grid(12, 12, 12, fold_x=False, fold_y=False)
     half = Grid(12, 8, 12, fold_x=False, fold_y=True)
@@ -40,53 +40,53 @@ def test_films() -> dict[str, tuple[Scene, Grid]]:
     disc = replace(TEST_PAD, shape="ellipse")
     slender = Pad(1e-2, 6e-3, 20.0, shape="ellipse")
     return {
-        "squeeze": (_test_film(), quarter),
-        "off the centre": (_test_film(x_m=2e-3, y_m=1e-3), whole),
-        "sliding": (_test_film(pad=replace(TEST_PAD, speed_x_m_per_s=20.0)), half),
-        "slip": (_test_film(rarefaction="slip"), quarter),
+        "squeeze": (_test_scene(), quarter),
+        "off the centre": (_test_scene(x_m=2e-3, y_m=1e-3), whole),
+        "sliding": (_test_scene(pad=replace(TEST_PAD, speed_x_m_per_s=20.0)), half),
+        "slip": (_test_scene(rarefaction="slip"), quarter),
         "fukui-kaneko, polytropic": (
-            _test_film(rarefaction="fukui-kaneko", polytropic_exponent=1.4),
+            _test_scene(rarefaction="fukui-kaneko", polytropic_exponent=1.4),
             quarter,
         ),
-        "inertia": (_test_film(inertia="included"), quarter),
+        "inertia": (_test_scene(inertia="included"), quarter),
         "inertia and slip, off the centre": (
-            _test_film(inertia="included", rarefaction="slip", x_m=2e-3),
+            _test_scene(inertia="included", rarefaction="slip", x_m=2e-3),
             half,
         ),
         "inertia, slip and thermal effects": (
-            _test_film(inertia="included", rarefaction="slip", thermal="included"),
+            _test_scene(inertia="included", rarefaction="slip", thermal="included"),
             quarter,
         ),
-        "any gap": (_with_uneven_gap(_test_film(x_m=2e-3)), half),
+        "any gap": (_with_nonuniform_gap(_test_scene(x_m=2e-3)), half),
         "any gap, wide and narrow": (
-            _with_uneven_gap(_test_film(hv_m=1.2e-6), tilt_x_m=6.4e-6),
+            _with_nonuniform_gap(_test_scene(hv_m=1.2e-6), tilt_x_m=6.4e-6),
             half,
         ),
-        "any gap, inertia": (_with_uneven_gap(_test_film(x_m=2e-3, inertia="included")), half),
-        "ellipse, sliding": (_test_film(pad=slender), half),
-        "disc, any gap": (_with_uneven_gap(_test_film(x_m=2e-3, pad=disc)), half),
+        "any gap, inertia": (_with_nonuniform_gap(_test_scene(x_m=2e-3, inertia="included")), half),
+        "ellipse, sliding": (_test_scene(pad=slender), half),
+        "disc, any gap": (_with_nonuniform_gap(_test_scene(x_m=2e-3, pad=disc)), half),
         "disc, inertia and thermal effects": (
-            _test_film(pad=disc, inertia="included", thermal="included"),
+            _test_scene(pad=disc, inertia="included", thermal="included"),
             quarter,
         ),
         "disc off the centre, inertia and thermal effects": (
-            _test_film(pad=disc, x_m=2e-3, inertia="included", thermal="included"),
+            _test_scene(pad=disc, x_m=2e-3, inertia="included", thermal="included"),
             half,
         ),
     }
 
 
-def _with_uneven_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
+def _with_nonuniform_gap(scene: Scene, *, tilt_x_m: float = 1e-6) -> Scene:
     """Tilted and crowned, over two modes of which one lags."""
     crests = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.0)
-    modes = Quadrature(TEST_PROFILE, crests, component_factors=(0.8, 0.6))
+    modes = QuadratureProfile(TEST_PROFILE, crests, component_factors=(0.8, 0.6))
     gap = GapShape(tilt_x_m=tilt_x_m, crown_m=5e-7)
     return replace(
         scene, actuator=replace(scene.actuator, profile=modes), pad=replace(scene.pad, gap=gap)
     )
 
 
-def _test_film(
+def _test_scene(
     *,
     hv_m: float = 2.4e-6,
     x_m: float = 0.0,
@@ -98,10 +98,10 @@ def _test_film(
     return film.scene(6e-6, hv_m, x_m, y_m, point_id="self-test")
 
 
-def forces_of_test_films(device: Device) -> dict[str, float]:
+def forces_of_test_cases(device: Device) -> dict[str, float]:
     """The films' mean gauge pressures in units of p0, as the device finds them."""
     force_of_film = {}
-    for name, (scene, points) in test_films().items():
+    for name, (scene, points) in test_cases().items():
         grid = grid_on_pad(scene, points)
         states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
         force_of_film[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
@@ -114,7 +114,7 @@ def check_device(device: Device) -> None:
     Raises:
         InputError: naming the films that it gives otherwise, and by how much.
     """
-    if wrong := _failed_films(device):
+    if wrong := _failed_cases_text(device):
         raise InputError(
             f"{device.name} fails its self-test: forces of stored films differ by more than "
             f"{FORCE_TOLERANCE:g}, relative ({wrong}). Its driver compiles the solver's kernel "
@@ -127,14 +127,14 @@ FORCE_SCRIPT = """
 from squeezefilm.reynolds import self_test, solve
 from squeezefilm.reynolds.device import choose_device
 device = choose_device()
-self_test.forces_of_test_films(device)
-scene, _ = self_test.test_films()["squeeze"]
+self_test.forces_of_test_cases(device)
+scene, _ = self_test.test_cases()["squeeze"]
 solution = solve([scene], tolerance=1e-4, device=device)[0]
 raise SystemExit(0 if solution.status == "ok" else solution.status)
 """
 
 
-def check_in_new_process(option: str | None) -> None:
+def check_force_in_new_process(option: str | None) -> None:
     """Solve films and a force in another process, as each command is one.
 
     Args:
@@ -143,7 +143,7 @@ def check_in_new_process(option: str | None) -> None:
     Raises:
         RunError: where the process does not end by itself, or gives no force.
     """
-    named = {DEVICE_VARIABLE: option} if option else {}
+    named = {DEVICE_ENV_VARIABLE: option} if option else {}
     words = [sys.executable, "-c", FORCE_SCRIPT]
     environment = {**os.environ, **named}
     done = subprocess.run(
@@ -152,7 +152,7 @@ def check_in_new_process(option: str | None) -> None:
     if done.returncode < 0:
         raise RunError(
             f"the self-test was ended by {signal.Signals(-done.returncode).name}. A compiled "
-            f"kernel may be damaged: remove {kernel_cache()} and run the command again. "
+            f"kernel may be damaged: remove {kernel_cache_folder()} and run the command again. "
             "If that does not help, the driver is at fault: take another device"
         )
     if done.returncode:
@@ -161,18 +161,18 @@ def check_in_new_process(option: str | None) -> None:
 
 
 @cache
-def _failed_films(device: Device) -> str:
+def _failed_cases_text(device: Device) -> str:
     """The films that a device gives otherwise."""
-    stored = pd.read_csv(STORED_FORCES, index_col="film")["mean_overpressure"]
-    difference = (pd.Series(forces_of_test_films(device))[stored.index] / stored - 1).abs()
+    stored = pd.read_csv(STORED_FORCES_PATH, index_col="film")["mean_overpressure"]
+    difference = (pd.Series(forces_of_test_cases(device))[stored.index] / stored - 1).abs()
     wrong = difference[~(difference <= FORCE_TOLERANCE)]
     return "; ".join(f"{name}: {value:.1e}" for name, value in wrong.items())
 
 
 def main() -> None:
     """Write the table again."""
-    table = pd.Series(forces_of_test_films(choose_device()), name="mean_overpressure")
-    write_text(table.to_csv(index_label="film", float_format="%.15g"), STORED_FORCES)
+    table = pd.Series(forces_of_test_cases(choose_device()), name="mean_overpressure")
+    write_text(table.to_csv(index_label="film", float_format="%.15g"), STORED_FORCES_PATH)
 
 
 if __name__ == "__main__":

@@ -7,21 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import apply_with_bisection, unexpected_status
+from squeezefilm.errors import apply_with_bisection, unexpected_error_status
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.film.validity import validities
+from squeezefilm.film.validity import validity_texts
 from squeezefilm.reynolds.asymptotics.composite import (
-    NOT_EXPANDED,
-    Expanded,
-    composite,
+    EMPTY_EXPANSION_RESULTS,
+    ExpansionResults,
+    composite_forces,
     reasons_not_expanded,
 )
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
-from squeezefilm.reynolds.periodic.resolution import unresolved_profiles
-from squeezefilm.reynolds.plan import Plan, plan_of
+from squeezefilm.reynolds.periodic.resolution import unresolved_profile_reasons
+from squeezefilm.reynolds.plan import SolvePlan, solve_plan_of
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.terms import unsupported_on_grid
+from squeezefilm.reynolds.terms import unsupported_on_grid_reason
 from squeezefilm.solution import Solution, Solutions
 
 METHODS = ("auto", "composite", "periodic")
@@ -69,7 +69,7 @@ def solve(
             finished += more
             report(more)
 
-        plan, validity = plan_of(subset), validities(subset)
+        plan, validity = solve_plan_of(subset), validity_texts(subset)
         solutions, _ = known_solutions(plan, tolerance=tolerance, method=method)
         solutions.validity[:] = validity
         waiting = int(np.count_nonzero(solutions.status == ""))
@@ -77,7 +77,7 @@ def solve(
             count_progress(len(subset))
             return solutions
         chosen = device or choose_device()
-        if not chosen.is_processor:
+        if not chosen.is_cpu:
             check_device(chosen)
         count_progress(len(subset) - waiting)
         how: dict[str, Any] = {
@@ -95,32 +95,39 @@ def solve(
 
     def solution_of_error(error: Exception) -> Solution:
         report(1)
-        return Solution(status=unexpected_status(error), method=method)
+        return Solution(status=unexpected_error_status(error), method=method)
 
     return Solutions.of(apply_with_bisection(solve_subset, scenes, failed=solution_of_error))
 
 
-def known_solutions(plan: Plan, *, tolerance: float, method: str) -> tuple[Solutions, Expanded]:
+def known_solutions(
+    plan: SolvePlan, *, tolerance: float, method: str
+) -> tuple[Solutions, ExpansionResults]:
     """The solutions as far as they are known before a periodic state is solved for.
 
     The status is empty where one will be. The results behind those by an expansion go with them.
     """
-    refused = unresolved_profiles(plan, tolerance=tolerance)
-    found = NOT_EXPANDED
+    refused = unresolved_profile_reasons(plan, tolerance=tolerance)
+    found = EMPTY_EXPANSION_RESULTS
     if method != "periodic":
-        found = composite(plan, tolerance=tolerance, auto=method == "auto", excluded=refused)
+        found = composite_forces(plan, tolerance=tolerance, auto=method == "auto", excluded=refused)
     if method == "composite":
         refused = reasons_not_expanded(plan) | refused
     else:
-        refused = plan.cached("on grids", plan.reasons_by_row, unsupported_on_grid) | refused
-    solutions = Solutions.of_method("periodic" if method == "auto" else method, len(plan.scenes))
+        refused = (
+            plan.compute_cached("on grids", plan.reasons_by_row, unsupported_on_grid_reason)
+            | refused
+        )
+    solutions = Solutions.unsolved_of_method(
+        "periodic" if method == "auto" else method, len(plan.scenes)
+    )
     for row, reason in refused.items():
         solutions.status[row] = reason
     if rows := found.rows.tolist():
         solutions.status[rows], solutions.method[rows] = found.statuses(tolerance), "composite"
         solutions.domain[rows], solutions.absent_terms[rows] = "whole", plan.absent_terms[rows]
         solutions.nx[rows], solutions.ny[rows] = found.nx, found.ny
-        solutions.work[rows] = found.flops
+        solutions.operation_count[rows] = found.flops
         scale_n = np.where(np.isfinite(found.error), plan.scenes[found.rows].force_scale_n, np.nan)
         solutions.force_n[rows] = found.mean * scale_n
         solutions.force_error_n[rows] = found.error * scale_n

@@ -27,14 +27,14 @@ class Axis:
     folded: bool
 
     @property
-    def full_points(self) -> int:
+    def full_point_count(self) -> int:
         """Interior nodes of the unfolded axis."""
         return 2 * self.points if self.folded else self.points
 
     @cached_property
     def all_nodes(self) -> np.ndarray:
-        """Chebyshev–Lobatto nodes on [0, 1], both ends included, shape (full_points + 2,)."""
-        order = self.full_points + 1
+        """Chebyshev–Lobatto nodes on [0, 1], both ends included, shape (full_point_count + 2,)."""
+        order = self.full_point_count + 1
         return (1 - np.cos(np.pi * np.arange(order + 1) / order)) / 2
 
     @property
@@ -48,18 +48,18 @@ class Axis:
         return self.all_nodes[self.inner]
 
     @property
-    def in_even_odd_parts(self) -> bool:
+    def uses_even_odd_parts(self) -> bool:
         """Return whether kernels act on even and odd parts over the whole axis."""
         return not self.folded
 
     @cached_property
     def derivative(self) -> np.ndarray:
-        """First derivative on all nodes, ends included, shape (full_points + 2,) squared.
+        """First derivative on all nodes, ends included, shape (full_point_count + 2,) squared.
 
         Entries from Trefethen, Spectral Methods in MATLAB (2000), ch. 6; node differences by a
         trigonometric identity and the diagonal by row sums, against cancellation.
         """
-        order = self.full_points + 1
+        order = self.full_point_count + 1
         index = np.arange(order + 1)
         ends = np.where((index == 0) | (index == order), 2.0, 1.0) * (-1.0) ** index
         angle = np.pi / (2 * order)
@@ -67,12 +67,12 @@ class Axis:
             angle * np.subtract.outer(index, index)
         )
         np.fill_diagonal(difference, 1.0)
-        return _annihilating_constants(np.divide.outer(ends, ends) / difference)
+        return _with_zero_row_sums(np.divide.outer(ends, ends) / difference)
 
     @cached_property
     def inverse_radius(self) -> np.ndarray:
         """1/r on all nodes of a radius (the divergence of radial flow), 0 on other axes."""
-        return np.zeros(self.full_points + 2)
+        return np.zeros(self.full_point_count + 2)
 
     @property
     def divergence(self) -> np.ndarray:
@@ -90,12 +90,12 @@ class Axis:
         np.fill_diagonal(distance, 1.0)
         matrix = 2 * first * (np.diag(first)[:, None] - 1 / distance)
         spread = self.inverse_radius[:, None] * first
-        return self.fold((_annihilating_constants(matrix) + spread)[1:-1, 1:-1])
+        return self.fold((_with_zero_row_sums(matrix) + spread)[1:-1, 1:-1])
 
     @cached_property
     def weights(self) -> np.ndarray:
         """Clenshaw–Curtis weights of the integral over [0, 1], shape (n,); the ends carry zeros."""
-        order = self.full_points + 1
+        order = self.full_point_count + 1
         angle = np.pi * np.arange(1, order) / order
         sums = np.ones(order - 1)
         for harmonic in range(1, (order - 1) // 2 + 1):
@@ -132,7 +132,7 @@ class Axis:
         return matrix if self.folded else even_and_odd_matrices(matrix) / 2
 
     @cached_property
-    def modes_in_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def even_odd_modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``modes`` likewise: eigenvalues (n,), even and odd vectors, and their inverse.
 
         An even mode has its place as far from the first as an odd one from the last.
@@ -147,12 +147,12 @@ class Axis:
         vectors /= np.sqrt(2 * self.weights[:half] @ vectors**2)[:, None]
         return np.append(values[0], values[1, ::-1]), vectors, np.linalg.inv(vectors) / 2
 
-    def moments(self, count: int) -> np.ndarray:
+    def cosine_moment_matrix(self, count: int) -> np.ndarray:
         """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""
         return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights
 
     @property
-    def end_weights(self) -> np.ndarray:
+    def end_extrapolation_weights(self) -> np.ndarray:
         """Extrapolation weights: the value at an end from those on the four nodes beside it.
 
         A polynomial through all nodes would grow beyond bounds.
@@ -163,16 +163,16 @@ class Axis:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Matrix from the unknowns to some places (m,), shape (m, n)."""
-        return self.fold(self.to_points(points)[:, 1:-1], rows=len(points))
+        return self.fold(self.matrix_to_points(points)[:, 1:-1], rows=len(points))
 
-    def to_points(self, points: np.ndarray) -> np.ndarray:
+    def matrix_to_points(self, points: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes, ends included, to some places (m,), shape (m, nodes).
 
         Barycentric formula for Chebyshev–Lobatto nodes (Berrut and Trefethen 2004).
         """
-        weights = (-1.0) ** np.arange(self.full_points + 2)
+        weights = (-1.0) ** np.arange(self.full_point_count + 2)
         weights[[0, -1]] /= 2
-        return _interpolation(self.all_nodes, weights, points)
+        return _interpolation_matrix(self.all_nodes, weights, points)
 
     def fold(self, matrix: np.ndarray, *, odd: bool = False, rows: int | None = None) -> np.ndarray:
         """Return a matrix for the first half of the points, by the symmetry of the function."""
@@ -184,7 +184,7 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Radius(Axis):
+class RadialAxis(Axis):
     """The diameter of a disc, for functions of the radius r = |x − 1/2| alone: they are even.
 
     A folded axis has no node at the centre, so that r is never zero.
@@ -203,7 +203,7 @@ class Radius(Axis):
         Exact for the polynomials of even degree through all nodes: the mean of T_2k(2r) is
         1/(1 − k²) for even k, else 0.
         """
-        order = self.full_points + 1
+        order = self.full_point_count + 1
         half = np.arange(0, self.points + 1, 2)
         means = 1 / (1.0 - half**2)
         means[0] /= 2
@@ -212,7 +212,7 @@ class Radius(Axis):
 
 
 @dataclass(frozen=True)
-class Period:
+class TimeAxis:
     """Equidistant collocation in time T over one period 2π, an even number of points.
 
     The real orthonormal Fourier basis with n = points / 2 is ordered 1, cos T, …, cos (n−1)T,
@@ -226,23 +226,23 @@ class Period:
         return 2 * np.pi * np.arange(self.points) / self.points
 
     @cached_property
-    def harmonics(self) -> np.ndarray:
+    def harmonic_orders(self) -> np.ndarray:
         """Harmonic of each basis function, shape (points,); cos nT has no derivative here."""
         half = self.points // 2
         return np.concatenate([np.arange(half), [half], np.arange(1, half)])
 
-    def _basis(self, instants: np.ndarray) -> np.ndarray:
+    def _fourier_basis(self, instants: np.ndarray) -> np.ndarray:
         """The basis functions at some instants, shape (points, instants)."""
-        angle = np.outer(self.harmonics, instants)
+        angle = np.outer(self.harmonic_orders, instants)
         is_sine = np.arange(self.points)[:, None] > self.points // 2
         basis = np.where(is_sine, np.sin(angle), np.cos(angle)) * np.sqrt(2 / self.points)
         basis[[0, self.points // 2]] /= np.sqrt(2)
         return basis
 
     @cached_property
-    def fourier(self) -> np.ndarray:
+    def fourier_matrix(self) -> np.ndarray:
         """Orthonormal rows: coefficients = fourier @ values, shape (points, points)."""
-        return self._basis(self.nodes)
+        return self._fourier_basis(self.nodes)
 
     @cached_property
     def derivative(self) -> np.ndarray:
@@ -252,19 +252,19 @@ class Period:
         for cosine in range(1, half):
             rates[cosine, half + cosine] = cosine
             rates[half + cosine, cosine] = -cosine
-        return self.fourier.T @ rates @ self.fourier
+        return self.fourier_matrix.T @ rates @ self.fourier_matrix
 
-    def harmonics_up_to(self, most: float) -> np.ndarray:
+    def low_pass_matrix(self, most: float) -> np.ndarray:
         """Return the projection on the harmonics up to about ``most``, shape (points, points)."""
-        kept = np.exp(-((self.harmonics / most) ** HARMONICS_CUTOFF_STEEPNESS))
-        return np.asarray(self.fourier.T * kept @ self.fourier)
+        kept = np.exp(-((self.harmonic_orders / most) ** HARMONICS_CUTOFF_STEEPNESS))
+        return np.asarray(self.fourier_matrix.T * kept @ self.fourier_matrix)
 
     def at(self, instants: np.ndarray) -> np.ndarray:
         """Matrix from values on the nodes to any instants T (m,), shape (m, points)."""
-        return np.asarray(self._basis(instants).T @ self.fourier)
+        return np.asarray(self._fourier_basis(instants).T @ self.fourier_matrix)
 
 
-def _interpolation(nodes: np.ndarray, weights: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _interpolation_matrix(nodes: np.ndarray, weights: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Matrix from values on nodes to places by their barycentric weights, (places, nodes)."""
     distance = np.subtract.outer(points, nodes)
     hit = distance == 0
@@ -274,7 +274,7 @@ def _interpolation(nodes: np.ndarray, weights: np.ndarray, points: np.ndarray) -
     return np.asarray(matrix / matrix.sum(axis=1, keepdims=True))
 
 
-def _annihilating_constants(matrix: np.ndarray) -> np.ndarray:
+def _with_zero_row_sums(matrix: np.ndarray) -> np.ndarray:
     """Return a derivative with the diagonal by which it is zero for a constant."""
     np.fill_diagonal(matrix, 0.0)
     np.fill_diagonal(matrix, -matrix.sum(axis=1))
@@ -292,8 +292,8 @@ def even_and_odd_matrices(matrix: np.ndarray) -> np.ndarray:
 
 
 # The axis with so many unknowns and the period with so many nodes: matrices are computed once.
-axis, period = lru_cache(maxsize=64)(Axis), lru_cache(maxsize=64)(Period)
-radius = lru_cache(maxsize=64)(Radius)
+cached_axis, cached_time_axis = lru_cache(maxsize=64)(Axis), lru_cache(maxsize=64)(TimeAxis)
+cached_radial_axis = lru_cache(maxsize=64)(RadialAxis)
 
 
 @dataclass(frozen=True)
@@ -313,23 +313,23 @@ class AngleAxis:
     mirrored_crosswise: bool
 
     # Whether kernels act on the even and the odd part of what is on all of the axis (spectral.py).
-    in_even_odd_parts = False
+    uses_even_odd_parts = False
 
     @property
     def folded(self) -> bool:
         return self.mirrored_lengthwise or self.mirrored_crosswise
 
     @property
-    def full_points(self) -> int:
+    def full_point_count(self) -> int:
         """Nodes all around."""
         return self.points * 2**self.mirrored_lengthwise * 2**self.mirrored_crosswise
 
     @cached_property
     def all_nodes(self) -> np.ndarray:
-        """Nodes all around, those that carry unknowns first, shape (full_points,)."""
+        """Nodes all around, those that carry unknowns first, shape (full_point_count,)."""
         # A half that is the same at ν and π − ν lies about 0.
         start = -np.pi / 2 if self.mirrored_crosswise and not self.mirrored_lengthwise else 0.0
-        return start + 2 * np.pi * (np.arange(self.full_points) + 0.5) / self.full_points
+        return start + 2 * np.pi * (np.arange(self.full_point_count) + 0.5) / self.full_point_count
 
     @property
     def nodes(self) -> np.ndarray:
@@ -343,13 +343,13 @@ class AngleAxis:
 
     @property
     def derivative(self) -> np.ndarray:
-        """First derivative on all nodes, shape (full_points, full_points)."""
-        return self._all_nodes_matrix.derivative
+        """First derivative on all nodes, shape (full_point_count, full_point_count)."""
+        return self._full_period.derivative
 
     @cached_property
     def second_derivative_parts(self) -> np.ndarray:
         """Second derivative of a function of the axis' symmetries, shape (n, n)."""
-        fourier, harmonics = self._all_nodes_matrix.fourier, self._all_nodes_matrix.harmonics
+        fourier, harmonics = self._full_period.fourier_matrix, self._full_period.harmonic_orders
         return self._fold(-(fourier[:, : self.points].T * harmonics**2) @ fourier)
 
     @cached_property
@@ -365,34 +365,34 @@ class AngleAxis:
         return values[::-1], vectors[:, ::-1] * size, vectors[:, ::-1].T / size
 
     @property
-    def modes_in_parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def even_odd_modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``modes`` likewise."""
         return self.modes
 
-    def moments(self, count: int) -> np.ndarray:
+    def cosine_moment_matrix(self, count: int) -> np.ndarray:
         """Rows that average a function times cos 2kν, k < count: (count, n)."""
         return np.cos(2 * np.outer(np.arange(count), self.nodes)) * self.weights
 
-    def to_points(self, points: np.ndarray) -> np.ndarray:
-        """Matrix from values on all nodes to some places (m,), shape (m, full_points)."""
-        return self._all_nodes_matrix.at(points - self.all_nodes[0])
+    def matrix_to_points(self, points: np.ndarray) -> np.ndarray:
+        """Matrix from values on all nodes to some places (m,), shape (m, full_point_count)."""
+        return self._full_period.at(points - self.all_nodes[0])
 
     @cached_property
     def _mirror_index_and_sign(self) -> tuple[np.ndarray, np.ndarray]:
         """Return each node's unknown, and the sign of an odd function there: (−1)^mirrors."""
-        index, sign = np.arange(self.full_points), np.ones(self.full_points)
-        for image in self.mirror_images:
+        index, sign = np.arange(self.full_point_count), np.ones(self.full_point_count)
+        for image in self.mirror_image_indices:
             sign = np.where(index < image[index], sign, -sign)
             index = np.minimum(index, image[index])
         return index, sign
 
     @property
-    def mirror_images(self) -> list[np.ndarray]:
+    def mirror_image_indices(self) -> list[np.ndarray]:
         """Return the images of all nodes by each symmetry."""
         images = -self.all_nodes, np.pi - self.all_nodes
-        step = 2 * np.pi / self.full_points
+        step = 2 * np.pi / self.full_point_count
         return [
-            np.round((image - self.all_nodes[0]) / step).astype(int) % self.full_points
+            np.round((image - self.all_nodes[0]) / step).astype(int) % self.full_point_count
             for image, has in zip(
                 images, (self.mirrored_lengthwise, self.mirrored_crosswise), strict=True
             )
@@ -404,11 +404,11 @@ class AngleAxis:
 
         ``odd`` is for a function that changes its sign at each mirror.
         """
-        return self._fold(self.to_points(points), odd=odd)
+        return self._fold(self.matrix_to_points(points), odd=odd)
 
     @property
-    def _all_nodes_matrix(self) -> Period:
-        return period(self.full_points)
+    def _full_period(self) -> TimeAxis:
+        return cached_time_axis(self.full_point_count)
 
     def _fold(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """Return a matrix for the unknowns alone, by the symmetry of the function it acts on."""
@@ -422,7 +422,7 @@ class AngleAxis:
         return self._fold(self.derivative[: self.points], odd=odd)
 
 
-angle_axis = lru_cache(maxsize=64)(AngleAxis)
+cached_angle_axis = lru_cache(maxsize=64)(AngleAxis)
 
 
 @dataclass(frozen=True)
@@ -439,14 +439,14 @@ class FluxPoints:
 
     @cached_property
     def all_points(self) -> np.ndarray:
-        """Shape (full_points,), on (0, 1)."""
-        count = self.axis.full_points
+        """Shape (full_point_count,), on (0, 1)."""
+        count = self.axis.full_point_count
         return (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
 
     @property
-    def from_all_nodes(self) -> np.ndarray:
+    def matrix_from_all_nodes(self) -> np.ndarray:
         """Values here of a function that is known on all nodes, shape (n, nodes)."""
-        return self.axis.to_points(self.all_points)[: self.axis.points]
+        return self.axis.matrix_to_points(self.all_points)[: self.axis.points]
 
     def matrices(self, length: float) -> dict[str, np.ndarray]:
         """Return the matrices of an axis of some length for kernels, by name.
@@ -458,60 +458,61 @@ class FluxPoints:
         Of a velocity along the other axis: ``across``, its derivative along this one on the nodes,
         as if it vanished at the ends as it does where the gas comes in; ``edge``, what that lacks
         per velocity at each end, of a folded axis, whose ends are alike, their sum first;
-        ``end_weights`` as of the axis.
+        ``end_extrapolation_weights`` as of the axis.
         """
         axis, parts = self.axis, self.axis.even_odd_parts
-        to_points, to_nodes = axis.to_points(self.all_points), self.to_nodes
+        to_points, to_nodes = axis.matrix_to_points(self.all_points), self.matrix_to_nodes
         first, last = axis.derivative[1 : axis.points + 1, [0, -1]].T
         edge = np.stack([first + last, 0 * last] if axis.folded else [first, last])
         slope = (to_points @ axis.derivative)[:, 1:-1]
         spread = axis.inverse_radius[1:-1, None] * to_nodes
         return {
             "values": parts(axis.fold(to_points[:, 1:-1])),
-            "nodes": parts(self.to_inner),
+            "nodes": parts(self.matrix_to_inner_nodes),
             "slope": parts(axis.fold(slope)) / length,
             "along": parts(axis.fold(self._derivative, odd=True)) / length,
             "divergence": parts(axis.fold(to_nodes @ self._derivative + spread, odd=True)) / length,
             "across": parts(axis.fold(axis.derivative[1:-1, 1:-1])) / length,
             "edge": edge / length,
-            "to_end": axis.end_weights,
+            "to_end": axis.end_extrapolation_weights,
         }
 
     @property
-    def to_nodes(self) -> np.ndarray:
-        """Interpolation from all points to all nodes inside, (full_points, full_points)."""
+    def matrix_to_nodes(self) -> np.ndarray:
+        """Interpolation from all points to all nodes inside, (full_point_count,
+        full_point_count)."""
         return self.at(self.axis.all_nodes[1:-1])
 
     @property
-    def to_inner(self) -> np.ndarray:
+    def matrix_to_inner_nodes(self) -> np.ndarray:
         """The velocity along the axis at the nodes that carry unknowns, shape (n, n)."""
-        return self.axis.fold(self.to_nodes, odd=True)
+        return self.axis.fold(self.matrix_to_nodes, odd=True)
 
-    def interpolation_to(self, finer: FluxPoints) -> np.ndarray:
+    def matrix_to_finer_points(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""
         return self.axis.fold(self.at(finer.all_points), odd=True, rows=finer.axis.points)
 
     @cached_property
-    def _weights(self) -> np.ndarray:
+    def _barycentric_weights(self) -> np.ndarray:
         """Barycentric weights of the points (Berrut and Trefethen 2004)."""
-        index = np.arange(self.axis.full_points)
+        index = np.arange(self.axis.full_point_count)
         return (-1.0) ** index * np.sin(np.pi * (index + 0.5) / len(index))
 
     def at(self, points: np.ndarray) -> np.ndarray:
-        """Interpolation from all points to places of the axis, (places, full_points)."""
-        return _interpolation(self.all_points, self._weights, points)
+        """Interpolation from all points to places of the axis, (places, full_point_count)."""
+        return _interpolation_matrix(self.all_points, self._barycentric_weights, points)
 
     @cached_property
     def _derivative(self) -> np.ndarray:
         """Derivative on all points."""
         distance = np.subtract.outer(self.all_points, self.all_points)
         np.fill_diagonal(distance, 1.0)
-        inverse = 1 / self._weights
-        return _annihilating_constants(np.divide.outer(inverse, inverse) / distance)
+        inverse = 1 / self._barycentric_weights
+        return _with_zero_row_sums(np.divide.outer(inverse, inverse) / distance)
 
 
 @dataclass(frozen=True)
-class AnglePoints:
+class AngleFluxPoints:
     """The same of an outline's ν, which has no ends: its nodes, on which a velocity along it is odd
     at each mirror.
     """
@@ -519,8 +520,8 @@ class AnglePoints:
     axis: AngleAxis
 
     @property
-    def from_all_nodes(self) -> np.ndarray:
-        return np.eye(self.axis.full_points)[self.axis.inner]
+    def matrix_from_all_nodes(self) -> np.ndarray:
+        return np.eye(self.axis.full_point_count)[self.axis.inner]
 
     def matrices(self, length: float) -> dict[str, np.ndarray]:
         same, n = np.eye(self.axis.points), self.axis.points
@@ -530,14 +531,14 @@ class AnglePoints:
         return {**values, **ends, "slope": even, "across": even, "along": odd, "divergence": odd}
 
     @property
-    def to_inner(self) -> np.ndarray:
+    def matrix_to_inner_nodes(self) -> np.ndarray:
         return np.eye(self.axis.points)
 
-    def interpolation_to(self, finer: AnglePoints) -> np.ndarray:
+    def matrix_to_finer_points(self, finer: AngleFluxPoints) -> np.ndarray:
         return self.axis.at(finer.axis.nodes, odd=True)
 
 
 @lru_cache(maxsize=64)
-def flux_points(of: Axis | AngleAxis) -> FluxPoints | AnglePoints:
+def flux_points(of: Axis | AngleAxis) -> FluxPoints | AngleFluxPoints:
     """Flux points of an axis; their matrices are computed once."""
-    return FluxPoints(of) if isinstance(of, Axis) else AnglePoints(of)
+    return FluxPoints(of) if isinstance(of, Axis) else AngleFluxPoints(of)

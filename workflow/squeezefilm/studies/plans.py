@@ -17,23 +17,23 @@ import numpy as np
 
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.positions import columns_in_form, position_form
+from squeezefilm.film.positions import columns_in_table_form, find_position_columns
 from squeezefilm.lazy import pd
 from squeezefilm.models.fit_file import FittedModel, amplitude_for_force, read_fit
 from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.studies.space import (
-    CENTRED_FACTORS,
+    CENTRED_FACTOR_COLUMNS,
     pad_positions,
-    plan,
+    plan_table,
     round_to_twelve_digits,
-    sobol_points,
-    space_of,
+    sobol_sampler,
+    space_of_study,
     table_of_points,
 )
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.study import scenes_of_table
 from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
 
-VALIDATION_SAMPLES = ("validation_two_factor", "validation_four_factor")
+VALIDATION_SAMPLE_PLANS = ("validation_two_factor", "validation_four_factor")
 """The plans of independent points, uniform over the declared space: pad centred, anywhere."""
 LEVEL_GRID_SECTIONS = ("screen", "error_map")
 """The plans of every gap with every amplitude, pad centred: of Fig. 7, and of control points."""
@@ -45,10 +45,10 @@ SWEEP_POINTS_PER_PIECE = 2**15
 MFLOP_PER_SECOND = 42_000.0
 # Besides the operations: preparing and collecting, where each scene has a place of its own; where
 # scenes share them, as in most small plans, a fifth of it.
-SECONDS_PER_SCENE = 3e-4
+OVERHEAD_SECONDS_PER_SCENE = 3e-4
 # Outputs ask for states on two grids more, closely solved, and for Python's time.
-OUTPUTS_TIME_FACTOR, OUTPUTS_EXTRA_SECONDS = 4, 1e-2
-TIMED_SCENE_COUNT = 32
+OUTPUTS_TIME_FACTOR, OUTPUTS_SECONDS_PER_SCENE = 4, 1e-2
+COST_SAMPLE_SCENE_COUNT = 32
 MAX_CHUNKS_PER_PLAN = 20_000
 # Of a job, which holds its scenes and whose forces are merged at a time: 1 kB each.
 MAX_SCENES_PER_CHUNK = 500_000
@@ -61,7 +61,7 @@ def level_grid(name: str, config: Study) -> pd.DataFrame:
     values = [
         round_to_twelve_digits(np.linspace(each.start, each.stop, each.levels)) for each in levels
     ]
-    return pd.DataFrame(product(*values), columns=CENTRED_FACTORS)
+    return pd.DataFrame(product(*values), columns=CENTRED_FACTOR_COLUMNS)
 
 
 def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.DataFrame:
@@ -72,7 +72,7 @@ def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.
     return _scale_to_ranges(ranges, np.random.default_rng(seed).random((points, 4)))
 
 
-def sweep_pieces(
+def sweep_table_pieces(
     *, points: int, first: int, seed: int, **ranges: tuple[float, float]
 ) -> Iterator[pd.DataFrame]:
     """Points of a Sobol' sequence, which fills the ranges of the four factors evenly; in pieces.
@@ -80,7 +80,7 @@ def sweep_pieces(
     Scrambled by the seed. The sequence is one: sweeps from ``first`` 0 and 1000, of 1000 points
     each, are the sweep of 2000 points in two parts. Points are numbered by their place in it.
     """
-    sequence = sobol_points(4, seed=seed)
+    sequence = sobol_sampler(4, seed=seed)
     if first:
         sequence.fast_forward(first)
     for begin in range(first, first + points, SWEEP_POINTS_PER_PIECE):
@@ -94,9 +94,9 @@ def sweep_pieces(
 
 def _scale_to_ranges(ranges: dict[str, tuple[float, float]], unit: np.ndarray) -> pd.DataFrame:
     """The plan of points in [0, 1] over ranges, shape (points, 4)."""
-    names = columns_in_form(FACTOR_COLUMNS, ranges)
+    names = columns_in_table_form(FACTOR_COLUMNS, ranges)
     lower, upper = np.transpose([ranges[name] for name in names])
-    return plan(pd.DataFrame(lower + (upper - lower) * unit, columns=names))
+    return plan_table(pd.DataFrame(lower + (upper - lower) * unit, columns=names))
 
 
 def write_scenes(
@@ -109,8 +109,8 @@ def write_scenes(
     """
     with table_writer(output) as write:
         if name == "sweep":
-            sweep: Any = config.sweep.model_dump() | space_of(config).limits
-            for piece in sweep_pieces(**sweep):
+            sweep: Any = config.sweep.model_dump() | space_of_study(config).limits
+            for piece in sweep_table_pieces(**sweep):
                 write(piece)
         elif name == "extrapolation":
             write(
@@ -118,27 +118,31 @@ def write_scenes(
             )
         else:
             design = read_design(sources[0]) if sources else None
-            write(scenes_of(name, config, design=design))
+            write(plan_scenes_table(name, config, design=design))
 
 
-def scenes_of(name: str, config: Study, *, design: pd.DataFrame | None = None) -> pd.DataFrame:
+def plan_scenes_table(
+    name: str, config: Study, *, design: pd.DataFrame | None = None
+) -> pd.DataFrame:
     """The scenes of a plan that the study or a design gives."""
-    position = config.actuator.surface.position
+    position = config.actuator.surface.position_columns
     if name in LEVEL_GRID_SECTIONS:
-        return plan(level_grid(name, config), position=position)
+        return plan_table(level_grid(name, config), position=position)
     if name == "four_factor_control":
         control = config.four_factor_control
-        return random_plan(points=control.points, seed=control.seed, **space_of(config).limits)
-    if name in VALIDATION_SAMPLES:
+        return random_plan(
+            points=control.points, seed=control.seed, **space_of_study(config).limits
+        )
+    if name in VALIDATION_SAMPLE_PLANS:
         sample = config.validation
-        space = space_of(config, centred=name == "validation_two_factor")
+        space = space_of_study(config, centred=name == "validation_two_factor")
         points = space.independent_sample(sample.points, seed=sample.seed)
         return table_of_points(points, space)
     assert design is not None, f"the plan {name} is made from a design"
     if name == "four_factor":
         positions = pd.DataFrame(pad_positions(config), columns=position)
-        return plan(positions.merge(design[[*CENTRED_FACTORS]], how="cross"))
-    return design[columns_in_form(SCENE_COLUMNS, design)]
+        return plan_table(positions.merge(design[[*CENTRED_FACTOR_COLUMNS]], how="cross"))
+    return design[columns_in_table_form(SCENE_COLUMNS, design)]
 
 
 def _extrapolation_scenes(config: Study, fits: Mapping[str, FittedModel]) -> pd.DataFrame:
@@ -154,10 +158,10 @@ def _extrapolation_scenes(config: Study, fits: Mapping[str, FittedModel]) -> pd.
                 fit.evaluate, force_n=point.force_n, h0_m=point.h0_m
             )
     factors = pd.DataFrame({"h0_m": point.h0_m, "hv_m": list(amplitudes.values())})
-    return plan(factors, position=fit.position).assign(point_id=list(amplitudes))
+    return plan_table(factors, position=fit.position_columns).assign(point_id=list(amplitudes))
 
 
-def plan_sizes(config: Study) -> dict[str, int]:
+def plan_point_counts(config: Study) -> dict[str, int]:
     """The number of points of each plan that is simulated in chunks."""
     positions = config.positions.points or len(pad_positions(config))
     return {
@@ -165,7 +169,7 @@ def plan_sizes(config: Study) -> dict[str, int]:
         "four_factor": config.design.points * positions,
         "four_factor_control": config.four_factor_control.points,
         "sweep": config.sweep.points,
-        **dict.fromkeys(VALIDATION_SAMPLES, config.validation.points),
+        **dict.fromkeys(VALIDATION_SAMPLE_PLANS, config.validation.points),
     }
 
 
@@ -176,7 +180,7 @@ def chunk_counts(config: Study) -> dict[str, int]:
     """
     target = config.simulation.seconds_per_job
     counts = {}
-    for name, points in plan_sizes(config).items():
+    for name, points in plan_point_counts(config).items():
         seconds = points * expected_seconds_per_scene(config, centred=name in LEVEL_GRID_SECTIONS)
         counts[name] = min(points, max(ceil(seconds / target), ceil(points / MAX_SCENES_PER_CHUNK)))
         if counts[name] > MAX_CHUNKS_PER_PLAN:
@@ -190,11 +194,11 @@ def chunk_counts(config: Study) -> dict[str, int]:
 
 def expected_seconds_per_scene(config: Study, *, centred: bool) -> float:
     """Mean time of a scene on one thread, from a few random scenes of the study."""
-    sample = random_plan(points=TIMED_SCENE_COUNT, seed=1, **space_of(config).limits)
+    sample = random_plan(points=COST_SAMPLE_SCENE_COUNT, seed=1, **space_of_study(config).limits)
     if centred:
-        sample = sample.assign(**dict.fromkeys(position_form(sample), 0.0))
-    scenes = scenes_in(sample, config, profile=config.planned_profile())
+        sample = sample.assign(**dict.fromkeys(find_position_columns(sample), 0.0))
+    scenes = scenes_of_table(sample, config, profile=config.profile_for_planning())
     planned = dry_run(scenes, tolerance=config.solver.tolerance, method=config.solver.method)
-    mflop = sum(preview["expected_mflop"] for preview in planned) / TIMED_SCENE_COUNT
-    seconds = SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
-    return seconds * OUTPUTS_TIME_FACTOR + OUTPUTS_EXTRA_SECONDS if config.outputs else seconds
+    mflop = sum(preview["expected_mflop"] for preview in planned) / COST_SAMPLE_SCENE_COUNT
+    seconds = OVERHEAD_SECONDS_PER_SCENE + mflop / MFLOP_PER_SECOND
+    return seconds * OUTPUTS_TIME_FACTOR + OUTPUTS_SECONDS_PER_SCENE if config.outputs else seconds

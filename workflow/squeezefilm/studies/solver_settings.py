@@ -7,9 +7,9 @@ from typing import Any
 from squeezefilm.config.film import FilmSections
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.model_error import resolve_auto_terms, solve_auto_terms
+from squeezefilm.quantities.model_error import resolve_and_solve_auto_terms, resolve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.kernel_cache import one_build_at_a_time
+from squeezefilm.reynolds.kernel_cache import build_lock
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.solution import Solution, validated_output_names
 
@@ -31,7 +31,7 @@ class SolverSettings:
         """Keyword arguments of ``solve``."""
         return {"tolerance": self.tolerance, "method": self.method, "device": self.device}
 
-    def with_terms_decided(self, scenes: Scenes | Sequence[Scene]) -> Scenes | Sequence[Scene]:
+    def with_auto_terms_decided(self, scenes: Scenes | Sequence[Scene]) -> Scenes | Sequence[Scene]:
         """The scenes with what of their gas is ``auto`` decided."""
         how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
         return resolve_auto_terms(scenes, **how, device=self.device)
@@ -41,15 +41,17 @@ class SolverSettings:
     ) -> tuple[Scenes | Sequence[Scene], dict[int, Solution]]:
         """The same, with the solutions that were needed for it and hold the tolerance, by row."""
         how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
-        return solve_auto_terms(scenes, **how, tolerance=self.tolerance, device=self.device)
+        return resolve_and_solve_auto_terms(
+            scenes, **how, tolerance=self.tolerance, device=self.device
+        )
 
 
-def device_of(config: FilmSections, *, option: str | None = None) -> Device:
+def device_of_config(config: FilmSections, *, option: str | None = None) -> Device:
     """The device that an option or the study asks for, examined by one job of a node at a time.
 
     Raises InputError as choose_device does.
     """
-    with one_build_at_a_time():
+    with build_lock():
         return choose_device(config.solver.device, option=option)
 
 
@@ -64,7 +66,7 @@ def solver_settings(
     """The tolerance, method, outputs and device: those given, or else the configuration's.
 
     Raises InputError for a tolerance that no method is made for, an unknown method or output, and
-    as ``device_of`` does.
+    as ``device_of_config`` does.
     """
     tolerance = config.solver.tolerance if tolerance is None else tolerance
     method = method or config.solver.method
@@ -79,6 +81,6 @@ def solver_settings(
         tolerance=tolerance,
         model_tolerance=config.solver.model_tolerance,
         method=method,
-        device=device_of(config, option=device),
+        device=device_of_config(config, option=device),
         outputs=validated_output_names(config.outputs if outputs is None else outputs),
     )

@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 from squeezefilm.config.study import Positions, Study
 from squeezefilm.designs.space import Array, Space
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import POLAR, cartesian, position_form
+from squeezefilm.film.positions import POLAR_COLUMNS, cartesian_from_polar, find_position_columns
 from squeezefilm.film.symmetry import Symmetry
-from squeezefilm.film.validity import solvable_scenes
+from squeezefilm.film.validity import solvable_scene_mask
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS
 
 if TYPE_CHECKING:
     from scipy.stats import qmc
 
-CENTRED_FACTORS = FACTOR_COLUMNS[:2]
+CENTRED_FACTOR_COLUMNS = FACTOR_COLUMNS[:2]
 """The factors of a pad that stays at the centre."""
 SPACE_FILLING_SEED, SOBOL_POINTS_EXPONENT = 1, 10
 """Of the sequence of positions, and of two, the most points that it may have."""
@@ -34,13 +34,13 @@ def round_to_twelve_digits(values: Array) -> Array:
     return np.array(rounded).reshape(values.shape)
 
 
-def plan(factors: pd.DataFrame, *, position: tuple[str, ...] = POLAR) -> pd.DataFrame:
+def plan_table(factors: pd.DataFrame, *, position: tuple[str, ...] = POLAR_COLUMNS) -> pd.DataFrame:
     """A plan with the columns of a scenes table; points are numbered from 1.
 
     At the centre, in the form ``position``, where the factors have no position.
     """
-    form = position_form(factors) if len(factors.columns) > 2 else position
-    table = factors.reindex(columns=[*CENTRED_FACTORS, *form], fill_value=0.0).astype(float)
+    form = find_position_columns(factors) if len(factors.columns) > 2 else position
+    table = factors.reindex(columns=[*CENTRED_FACTOR_COLUMNS, *form], fill_value=0.0).astype(float)
     table.insert(0, "point_id", np.arange(1, len(table) + 1).astype(str))
     return table
 
@@ -64,7 +64,7 @@ def space_filling_positions(symmetry: Symmetry, positions: Positions) -> list[tu
     moved to the edges: the far one of the first factor, and the nearer one of the second.
     """
     limits = symmetry.limits(positions)
-    sequence = sobol_points(len(limits), seed=SPACE_FILLING_SEED).random_base2(
+    sequence = sobol_sampler(len(limits), seed=SPACE_FILLING_SEED).random_base2(
         SOBOL_POINTS_EXPONENT
     )
     unit = sequence[: positions.points - 1]
@@ -75,14 +75,14 @@ def space_filling_positions(symmetry: Symmetry, positions: Positions) -> list[tu
     return [(0.0, 0.0), *map(tuple, round_to_twelve_digits(Space(limits).from_unit(unit)).tolist())]
 
 
-def sobol_points(factors: int, *, seed: int) -> qmc.Sobol:
+def sobol_sampler(factors: int, *, seed: int) -> qmc.Sobol:
     """A scrambled Sobol' sequence."""
     from scipy.stats import qmc  # slow to import, and only needed here
 
     return qmc.Sobol(factors, rng=seed)
 
 
-def space_of(config: Study, *, centred: bool = False) -> Space:
+def space_of_study(config: Study, *, centred: bool = False) -> Space:
     """The space of a study: the screen's gaps and amplitudes, the pad's positions.
 
     From the section ``screen``; unless the pad is centred also from ``positions``, ``actuator``
@@ -93,22 +93,23 @@ def space_of(config: Study, *, centred: bool = False) -> Space:
     limits = {"h0_m": (gaps.start, gaps.stop), "hv_m": (amplitudes.start, amplitudes.stop)}
     if not centred:
         limits |= config.symmetry().limits(config.positions)
-    position = config.actuator.surface.position
+    position = config.actuator.surface.position_columns
 
-    def allowed(points: Array) -> NDArray[np.bool_]:
+    def solvable_mask(points: Array) -> NDArray[np.bool_]:
         h0_m, hv_m, *place = np.transpose(points)
         x_m, y_m = place or np.zeros((2, len(points)))
-        if position == POLAR:
-            x_m, y_m = cartesian(x_m, y_m).values()
-        return solvable_scenes(config.read_film().scenes(h0_m, hv_m, x_m, y_m))
+        if position == POLAR_COLUMNS:
+            x_m, y_m = cartesian_from_polar(x_m, y_m).values()
+        return solvable_scene_mask(config.read_film().scenes(h0_m, hv_m, x_m, y_m))
 
-    return Space(limits, allowed, position)
+    return Space(limits, solvable_mask, position)
 
 
 def table_of_points(points: Array, space: Space) -> pd.DataFrame:
     """Points as a plan, numbered from 1; twelve digits, so that a limit reads 2e-06."""
-    return plan(
-        pd.DataFrame(round_to_twelve_digits(points), columns=space.names), position=space.position
+    return plan_table(
+        pd.DataFrame(round_to_twelve_digits(points), columns=space.names),
+        position=space.position_columns,
     )
 
 
@@ -117,7 +118,9 @@ def points_of_table(table: pd.DataFrame, space: Space) -> Array:
 
     Raises InputError where the pad is off the centre of a space in which it stays there.
     """
-    moved = position_form(table)[: 1 if position_form(table) == POLAR else 2]
+    moved = find_position_columns(table)[
+        : 1 if find_position_columns(table) == POLAR_COLUMNS else 2
+    ]
     if len(space.limits) == 2 and np.any(table[list(moved)].to_numpy() != 0):
         raise InputError(f"{moved[0]}: the pad is moved, in a space in which it is centred")
     return table[list(space.names)].to_numpy(dtype=float)

@@ -11,17 +11,17 @@ import numpy as np
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
-from squeezefilm.errors import InputError, prefix_errors, reject_rows
-from squeezefilm.film.positions import POLAR, cartesian, columns_in_form
+from squeezefilm.errors import InputError, prefix_errors, raise_row_problems
+from squeezefilm.film.positions import POLAR_COLUMNS, cartesian_from_polar, columns_in_table_form
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.film.symmetry import Directions
+from squeezefilm.film.symmetry import DirectionSector
 from squeezefilm.film.validity import check_scene, check_scenes
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, read_measurements
 
 
-def film_of(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, Any]:
+def film_values(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, Any]:
     """The study's film as far as limits of validity go, for a fit's file.
 
     Args:
@@ -42,7 +42,7 @@ def film_of(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, A
     }
 
 
-def scenes_in(
+def scenes_of_table(
     table: pd.DataFrame | Mapping[str, Sequence[float]],
     config: FilmSections,
     *,
@@ -59,30 +59,30 @@ def scenes_in(
     """
     if missing := [name for name in FACTOR_COLUMNS[:2] if name not in table]:
         raise InputError(f"points need the column {missing[0]!r}")
-    names, centre = columns_in_form(FACTOR_COLUMNS, table), np.zeros(len(table["h0_m"]))
+    names, centre = columns_in_table_form(FACTOR_COLUMNS, table), np.zeros(len(table["h0_m"]))
     h0_m, hv_m, x_m, y_m = (np.asarray(table.get(name, centre), dtype=float) for name in names)
     numbered = table.get("point_id", np.arange(1, len(centre) + 1))
     point_id = np.array(list(map(str, numbered)), dtype=object)
-    if POLAR[0] in names:
-        reject_rows(
+    if POLAR_COLUMNS[0] in names:
+        raise_row_problems(
             [
                 f"point {point_id[row]}: phi_r_m = {x_m[row]:g} must not be negative"
                 for row in np.flatnonzero(x_m < 0)
             ]
         )
-        x_m, y_m = cartesian(x_m, y_m).values()
+        x_m, y_m = cartesian_from_polar(x_m, y_m).values()
     scenes = config.read_film(profile=profile).scenes(h0_m, hv_m, x_m, y_m)
     scenes = replace(scenes, point_id=point_id)
     check_scenes(scenes)
     return scenes
 
 
-def scene_of(
+def scene_of_study(
     config: FilmSections, h0_m: float, hv_m: float, *, x_m: float = 0.0, y_m: float = 0.0
 ) -> Scene:
     """One scene on the study's film.
 
-    Raises InputError as ``scenes_in`` does.
+    Raises InputError as ``scenes_of_table`` does.
     """
     scene = config.read_film().scene(h0_m, hv_m, x_m=x_m, y_m=y_m)
     check_scene(scene)
@@ -102,20 +102,20 @@ def check_study(config: Study) -> Study:
             from squeezefilm.film.measured.read import read_scan
             from squeezefilm.film.measured.smooth import check_points
 
-            settings = config.smoothing
+            settings = config.smoothing_arguments
             how = {key: settings.pop(key) for key in ("frequency_hz", "rows", "origin_m")}
             scan = read_scan(path, **how)
             check_points(scan, **settings)
-        profile = config.planned_profile()
+        profile = config.profile_for_planning()
     if config.measurements:
-        measured_points(config, profile=profile)
+        measured_force_table(config, profile=profile)
     for section, points in _extreme_points_by_section(config):
         with prefix_errors(f"{config.path}: {section}"):
-            scenes_in(points, config, profile=profile)
+            scenes_of_table(points, config, profile=profile)
     return config
 
 
-def measured_points(config: Study, *, profile: Profile | None = None) -> pd.DataFrame:
+def measured_force_table(config: Study, *, profile: Profile | None = None) -> pd.DataFrame:
     """Return the table of measured forces of a study that has one.
 
     Args:
@@ -133,7 +133,7 @@ def measured_points(config: Study, *, profile: Profile | None = None) -> pd.Data
         hv_m = table["hv_m"] - sign * table["hv_uncertainty_m"]
         ends = table.assign(h0_m=h0_m, hv_m=hv_m, point_id=table["point_id"] + within)
         with prefix_errors(path):
-            scenes_in(ends, config, profile=profile)
+            scenes_of_table(ends, config, profile=profile)
     return table
 
 
@@ -146,13 +146,13 @@ def _extreme_points_by_section(config: Study) -> Iterator[tuple[str, pd.DataFram
     yield "extrapolation", pd.DataFrame([{"point_id": "wanted", **beyond}])
     symmetry, positions = config.symmetry(), config.positions
     pad_positions = symmetry.pad_positions(positions)
-    if isinstance(symmetry, Directions):
+    if isinstance(symmetry, DirectionSector):
         # Designs and control points may lie between the directions given: also where the pad's
         # farthest point is farthest out.
-        x_m, y_m = max(config.read_pad().edge_m().tolist(), key=lambda point: hypot(*point))
+        x_m, y_m = max(config.read_pad().edge_points_m().tolist(), key=lambda point: hypot(*point))
         farthest = float(symmetry.fold(degrees(atan2(y_m, x_m))))
         pad_positions += [(radius, farthest) for radius in positions.phi_r_m]
-    first, second = symmetry.position
+    first, second = symmetry.position_columns
     names = [f"({first} = {one:g}, {second} = {other:g})" for one, other in pad_positions]
     table = pd.DataFrame(pad_positions, columns=[first, second])
     yield "positions", table.assign(point_id=names, **closest)

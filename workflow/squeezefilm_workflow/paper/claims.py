@@ -29,15 +29,15 @@ CLAIMS = pd.read_csv(
     keep_default_na=False,
     index_col="claim_id",
 )
-PAPERS_SPACE = {"hv_min": 0.2, "hv_max": 2.0, "h0_min": 5.0, "h0_max": 10.0}
-TEXT_OF_TIME_BOUND = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
+PAPER_FACTOR_LIMITS_UM = {"hv_min": 0.2, "hv_max": 2.0, "h0_min": 5.0, "h0_max": 10.0}
+TIME_BOUNDS_AND_TEXTS = ((1.0, "1 s"), (60.0, "1 min"), (3600.0, "1 h"), (86400.0, "1 day"))
 
-Values = dict[str, Any]
+ClaimValues = dict[str, Any]
 """Our value of each claim by its id, in the claim's unit, and others that texts name: lengths in
 µm, forces in N, errors in percent."""
 
 
-def judged_claims(results: Results) -> pd.DataFrame:
+def claims_with_verdicts(results: Results) -> pd.DataFrame:
     """Every claim with our value and the verdict, as strings; columns CLAIM_COLUMNS.
 
     Raises InputError naming a result that is missing or lacks what it must have.
@@ -45,7 +45,7 @@ def judged_claims(results: Results) -> pd.DataFrame:
     values = (
         _two_factor_values(results)
         | _design_values(results)
-        | _extrapolated_values(results)
+        | _operating_point_values(results)
         | _four_factor_values(results)
     )
     claims = CLAIMS.reset_index().apply(lambda claim: _with_verdict(claim, values), axis="columns")
@@ -68,9 +68,9 @@ def _with_verdict(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     return claim
 
 
-def _two_factor_values(results: Results) -> Values:
+def _two_factor_values(results: Results) -> ClaimValues:
     """Return values of the screen, its fit, its forces and their times."""
-    screen, fit = _in_micrometres(results.forces("screen")), results.fit("screen")
+    screen, fit = _with_micrometre_columns(results.forces("screen")), results.fit("screen")
     limits = {
         f"{name}_{end}": round(float(screen[f"{name}_um"].agg(end)), 6)
         for name in ("hv", "h0")
@@ -83,10 +83,12 @@ def _two_factor_values(results: Results) -> Values:
     smallest = screen.sort_values("force_n", kind="stable").iloc[0]
     ppm = 1e6 * float(smallest["force_n"])
     seconds = read_timings(results.folder / "simulations/screen/timings.csv")["solve_s"].max()
-    bound = next((f"below {name}" for limit, name in TEXT_OF_TIME_BOUND if seconds < limit), None)
+    bound = next(
+        (f"below {name}" for limit, name in TIME_BOUNDS_AND_TEXTS if seconds < limit), None
+    )
     return {
         **limits,
-        "space": max(abs(limits[name] - value) for name, value in PAPERS_SPACE.items()),
+        "space": max(abs(limits[name] - value) for name, value in PAPER_FACTOR_LIMITS_UM.items()),
         "screen_points": len(screen),
         "gaps": screen["h0_m"].nunique(),
         "amplitudes": screen["hv_m"].nunique(),
@@ -106,7 +108,7 @@ def _two_factor_values(results: Results) -> Values:
     }
 
 
-def _design_values(results: Results) -> Values:
+def _design_values(results: Results) -> ClaimValues:
     """Return values of the searches for a design, the design, and the fit to its points."""
     screen, design = results.forces("screen"), results.design("two_factor")
     fit = results.fit("two_factor_design")
@@ -116,7 +118,7 @@ def _design_values(results: Results) -> Values:
     patterns = scalings[own]
     excess = max(pattern["objective_excess"] for pattern in patterns)
     return {
-        **_errors_of_fits(results),
+        **_fit_error_values(results),
         "design_error": 100 * judged["global_error"],
         "fitted": fit.points,
         "judged": round(judged["points"]),
@@ -139,14 +141,14 @@ def _design_values(results: Results) -> Values:
     }
 
 
-def _errors_of_fits(results: Results) -> Values:
+def _fit_error_values(results: Results) -> ClaimValues:
     """Return the larger of both fits' errors on the screen, and the values of each.
 
     Values of the fit to five points end in ``_five``, those of the fit to all points in ``_all``.
     """
-    values: Values = {}
+    values: ClaimValues = {}
     for name, end in (("two_factor_design", "five"), ("screen", "all")):
-        errors = _in_micrometres(results.errors(name, "screen"))
+        errors = _with_micrometre_columns(results.errors(name, "screen"))
         smallest = np.isclose(errors["hv_um"], errors["hv_um"].min(), rtol=1e-9)
         percent = 100 * errors["relative_error"].abs()
         values |= {
@@ -154,21 +156,21 @@ def _errors_of_fits(results: Results) -> Values:
             f"band_{end}": percent[~smallest].max(),
             f"band_small_{end}": percent[smallest].max(),
             f"outside_{end}": int((percent > CLAIMS["upper"]["band"]).sum()),
-            f"limit_{end}": _expected_n(results.fit(name), h0_m=1.0, hv_m=0.0),
+            f"limit_{end}": _predicted_force_n(results.fit(name), h0_m=1.0, hv_m=0.0),
         }
     for name in ("band", "band_small", "limit"):
         values[name] = max(values[f"{name}_five"], values[f"{name}_all"], key=abs)
     return values
 
 
-def _extrapolated_values(results: Results) -> Values:
+def _operating_point_values(results: Results) -> ClaimValues:
     """Return values of the forces and neglected effects at the paper's operating point."""
     file = "simulations/extrapolation/forces.csv"
-    table = _in_micrometres(results.forces("extrapolation")).set_index("point_id")
+    table = _with_micrometre_columns(results.forces("extrapolation")).set_index("point_id")
     point = results.row(table, "operating_point", file)
     wanted = results.row(table, "two_factor_design", file)
     fit = results.fit("two_factor_design")
-    expected_n = _expected_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
+    expected_n = _predicted_force_n(fit, h0_m=point["h0_m"], hv_m=point["hv_m"])
     effects = ("point_id", "edge_loss_percent", "edge_loss_upper_percent")
     budgets = results.budget("extrapolation", *effects).set_index("point_id")
     budget = results.row(budgets, "operating_point", "simulations/extrapolation/error_budget.csv")
@@ -176,7 +178,9 @@ def _extrapolated_values(results: Results) -> Values:
     included = f"With {' and '.join(present)} in it, which eq. (1) neglects; still neglected are"
     return {
         "model_at_2.2": expected_n,
-        "model_all": _expected_n(results.fit("screen"), h0_m=point["h0_m"], hv_m=point["hv_m"]),
+        "model_all": _predicted_force_n(
+            results.fit("screen"), h0_m=point["h0_m"], hv_m=point["hv_m"]
+        ),
         "amplitude_all": results.row(table, "screen", file)["hv_um"],
         "of_ours": 100 * expected_n / point["force_n"],
         "simulation_at_2.2": point["force_n"],
@@ -196,7 +200,7 @@ def _extrapolated_values(results: Results) -> Values:
     }
 
 
-def _four_factor_values(results: Results) -> Values:
+def _four_factor_values(results: Results) -> ClaimValues:
     """Return values of the plan, the designs and the fits with four factors.
 
     locus: largest distance of hv/h0 of an optimum from the nearest of the two-factor design, in
@@ -214,8 +218,8 @@ def _four_factor_values(results: Results) -> Values:
         "four_factor_points": len(plan),
         "positions": len(plan[["phi_r_m", "phi_deg"]].drop_duplicates()),
         "locus": 100 * distance.max(),
-        "four": _ratio_of_extremes(four),
-        "two": _ratio_of_extremes(two),
+        "four": _distinct_values_text(four),
+        "two": _distinct_values_text(two),
         "four_factor_error": 100 * judged["global_error"],
         "distinct": 100 * distinct["global_error"],
         "control": 100 * control["global_error"],
@@ -226,14 +230,14 @@ def _four_factor_values(results: Results) -> Values:
     }
 
 
-def _in_micrometres(table: pd.DataFrame) -> pd.DataFrame:
+def _with_micrometre_columns(table: pd.DataFrame) -> pd.DataFrame:
     return table.assign(h0_um=1e6 * table["h0_m"], hv_um=1e6 * table["hv_m"])
 
 
-def _expected_n(fit: FittedModel, *, h0_m: float, hv_m: float) -> float:
+def _predicted_force_n(fit: FittedModel, *, h0_m: float, hv_m: float) -> float:
     """The force that a fit expects with the pad centred."""
     return float(fit.force_model.evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))[0])
 
 
-def _ratio_of_extremes(values: np.ndarray) -> str:
+def _distinct_values_text(values: np.ndarray) -> str:
     return ", ".join(f"{value:.3f}" for value in sorted(set(values.round(3))))

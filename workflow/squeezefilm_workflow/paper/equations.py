@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.designs.paper_design import d_efficiency
-from squeezefilm.models.data import factors_of
+from squeezefilm.models.data import factors_of_table
 from squeezefilm.models.prediction_interval import error_statistics, relative_errors
 from squeezefilm_workflow.paper.claims import CLAIMS
 from squeezefilm_workflow.paper.tables import SYMBOL_OF_PARAMETER, UNIT_OF_PARAMETER
@@ -21,14 +21,14 @@ from squeezefilm_workflow.reporting.check import FIT_OF_DESIGN
 from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
 
-FIT_OF_MODEL = {
+LABEL_OF_FIT = {
     "screen": "all points, two factors",
     "two_factor_design": "five points, two factors",
     "four_factor": "all points, four factors",
     "four_factor_design": "five points, four factors, the paper's form",
     "four_factor_design_distinct": "five points, four factors, distinct scenes",
 }
-NAME_OF_VALIDATION = {
+LABEL_OF_VALIDATION = {
     ("two_factor_design", "screen"): "all points",
     ("two_factor_design", "error_map"): "control grid",
     ("four_factor_design", "four_factor"): "all points",
@@ -36,14 +36,22 @@ NAME_OF_VALIDATION = {
     ("four_factor_design_distinct", "four_factor_control"): "random points",
 }
 EQUATION_COLUMNS = ("part", "quantity", "unit", "paper_equation", "with_inertia")
-_TWO_FACTOR_FIT, _FOUR_FACTOR_FIT = (
-    FIT_OF_MODEL["two_factor_design"],
-    FIT_OF_MODEL["four_factor_design"],
+_TWO_FACTOR_DESIGN_LABEL, _FOUR_FACTOR_DESIGN_LABEL = (
+    LABEL_OF_FIT["two_factor_design"],
+    LABEL_OF_FIT["four_factor_design"],
 )
 CONCLUSION_CONDITIONS = (
-    (_TWO_FACTOR_FIT, "global error, all points", float(CLAIMS["paper"]["design_error"])),
-    (_TWO_FACTOR_FIT, "worst relative error, control grid", float(CLAIMS["upper"]["band"])),
-    (_FOUR_FACTOR_FIT, "global error, all points", float(CLAIMS["paper"]["four_factor_error"])),
+    (_TWO_FACTOR_DESIGN_LABEL, "global error, all points", float(CLAIMS["paper"]["design_error"])),
+    (
+        _TWO_FACTOR_DESIGN_LABEL,
+        "worst relative error, control grid",
+        float(CLAIMS["upper"]["band"]),
+    ),
+    (
+        _FOUR_FACTOR_DESIGN_LABEL,
+        "global error, all points",
+        float(CLAIMS["paper"]["four_factor_error"]),
+    ),
 )
 """What five points must hold: part and quantity of the table, the largest value the paper has."""
 
@@ -55,8 +63,8 @@ def equations_table(paper: Results, inertia: Results) -> pd.DataFrame:
         InputError: naming a result that is missing or lacks what it must have.
     """
     pairs = zip(
-        _study_values(paper, design_source=paper),
-        _study_values(inertia, design_source=paper),
+        _study_value_rows(paper, design_source=paper),
+        _study_value_rows(inertia, design_source=paper),
         strict=True,
     )
     rows = [(*without, value) for without, (*_, value) in pairs]
@@ -65,7 +73,7 @@ def equations_table(paper: Results, inertia: Results) -> pd.DataFrame:
     )
 
 
-def _study_values(
+def _study_value_rows(
     study: Results, *, design_source: Results
 ) -> Iterator[tuple[str, str, str, float]]:
     """Part, quantity, unit and value, for one study; ``design_source`` has the designs to be
@@ -73,20 +81,20 @@ def _study_values(
     """
     forces = study.forces("extrapolation").set_index("point_id")["force_n"]
     yield "force", "at the paper's operating point", "N", forces["operating_point"]
-    for name, part in FIT_OF_MODEL.items():
+    for name, part in LABEL_OF_FIT.items():
         fit = study.fit(name)
         for parameter, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
             yield part, SYMBOL_OF_PARAMETER[parameter], UNIT_OF_PARAMETER.get(parameter, "–"), value
         yield part, "global error on its own points", "%", 100 * fit.global_error
-    for (name, plan), where in NAME_OF_VALIDATION.items():
+    for (name, plan), where in LABEL_OF_VALIDATION.items():
         errors = study.validation(name, plan)
-        yield FIT_OF_MODEL[name], f"global error, {where}", "%", 100 * errors["global_error"]
+        yield LABEL_OF_FIT[name], f"global error, {where}", "%", 100 * errors["global_error"]
         worst = 100 * abs(errors["worst_relative_error"])
-        yield FIT_OF_MODEL[name], f"worst relative error, {where}", "%", worst
+        yield LABEL_OF_FIT[name], f"worst relative error, {where}", "%", worst
     for name, fit_name in FIT_OF_DESIGN.items():
         fit = study.fit(fit_name)
-        slopes = fit.force_model.gradient(fit.theta, factors_of(study.design(name)))
-        first = fit.force_model.gradient(fit.theta, factors_of(design_source.design(name)))
+        slopes = fit.force_model.gradient(fit.theta, factors_of_table(study.design(name)))
+        first = fit.force_model.gradient(fit.theta, factors_of_table(design_source.design(name)))
         part = "D-efficiency of the points that the paper's equation finds"
         yield part, name.replace("_", " "), "–", d_efficiency(first, slopes)
 
@@ -100,10 +108,12 @@ def _errors_of_transferred_fits(
         plan = "four_factor" if name == "four_factor" else "screen"
         fit, tables = paper.fit(name), [study.forces(plan) for study in (paper, inertia)]
         without, with_it = (
-            _global_error_percent(fit.force_model.evaluate(fit.theta, factors_of(table)), table)
+            _global_error_percent(
+                fit.force_model.evaluate(fit.theta, factors_of_table(table)), table
+            )
             for table in tables
         )
-        yield part, f"global error, fit to {FIT_OF_MODEL[name]}", "%", without, with_it
+        yield part, f"global error, fit to {LABEL_OF_FIT[name]}", "%", without, with_it
     plain, moved = (study.forces("screen") for study in (paper, inertia))
     change = 100 * (moved["force_n"] / plain["force_n"] - 1)
     worst = relative_errors(model_n=plain["force_n"], simulation_n=moved["force_n"])
@@ -124,7 +134,7 @@ def equations_page(results: Results, *, sides: Sequence[str]) -> Page:
     """The page of the two studies, whose results are in the folders ``sides``."""
     table = equations_table(*(Results(Path(folder), results.config) for folder in sides))
     parts = readable_table(table).groupby("part", sort=False)
-    rested_on = rows_of_conditions(table)
+    rested_on = conclusion_rows(table)
     values = {
         "survives": rested_on["holds"].all(),
         "conditions": rested_on,
@@ -133,7 +143,7 @@ def equations_page(results: Results, *, sides: Sequence[str]) -> Page:
     return Page(values, {"csv": table})
 
 
-def rows_of_conditions(table: pd.DataFrame) -> pd.DataFrame:
+def conclusion_rows(table: pd.DataFrame) -> pd.DataFrame:
     """The table's rows that the conclusion rests on.
 
     ``at_most`` are the paper's own errors, ``holds`` says whether five points do no worse where the

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import pandas as pd
 
-from squeezefilm_workflow.reporting.notes import five_digits, simulations_note
+from squeezefilm_workflow.reporting.notes import five_digit_text, simulation_error_note
 from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
@@ -16,24 +16,24 @@ SYMBOL_OF_PARAMETER = {
     "theta4": "θ4",
 }
 UNIT_OF_PARAMETER = {"theta2": "N", "theta4": "1/m"}
-ASSUMED_TEXT = "our assumption: the paper's table is not legible to us"
+ASSUMPTION_NOTE = "our assumption: the paper's table is not legible to us"
 
 
-def table1(results: Results) -> Page:
+def table1_page(results: Results) -> Page:
     """Parameters of the two-factor model, from the screen and from the optimal design alone."""
     fits = (("screen", "screen"), ("optimal design", "two_factor_design"))
     title = "Table I. Parameters of the two-factor model"
     return _parameters_page(results, fits, plan="screen", title=title)
 
 
-def table2(results: Results) -> Page:
+def table2_page(results: Results) -> Page:
     """The space of four factors: gap and amplitude are the paper's, positions our assumption."""
     screen, plan = results.scenes("screen"), results.scenes("four_factor")
     rows = [
         ("mean gap", "h0", "µm", 1e6 * screen["h0_m"], "paper"),
         ("amplitude at the centre", "hv", "µm", 1e6 * screen["hv_m"], "paper"),
-        ("radial position", "φr", "mm", 1e3 * plan["phi_r_m"], ASSUMED_TEXT),
-        ("angular position", "φφ", "°", plan["phi_deg"], ASSUMED_TEXT),
+        ("radial position", "φr", "mm", 1e3 * plan["phi_r_m"], ASSUMPTION_NOTE),
+        ("angular position", "φφ", "°", plan["phi_deg"], ASSUMPTION_NOTE),
     ]
     columns = ["factor", "symbol", "unit", "minimum", "maximum", "source"]
     data = pd.DataFrame(
@@ -50,7 +50,7 @@ def table2(results: Results) -> Page:
     return Page(values, {"csv": data})
 
 
-def table3(results: Results) -> Page:
+def table3_page(results: Results) -> Page:
     """Parameters of the four-factor model, from the plan and from two optimal designs alone."""
     fits = (
         ("plan", "four_factor"),
@@ -61,7 +61,11 @@ def table3(results: Results) -> Page:
     return _parameters_page(results, fits, plan="four_factor", title=title)
 
 
-PAPERS_TABLES: dict[str, Callable[[Results], Page]] = {"1": table1, "2": table2, "3": table3}
+PAPER_TABLE_FUNCTIONS: dict[str, Callable[[Results], Page]] = {
+    "1": table1_page,
+    "2": table2_page,
+    "3": table3_page,
+}
 
 
 def _parameters_page(
@@ -85,7 +89,7 @@ def _parameters_page(
         error = fit.global_error if name == plan else results.validation(name, plan)["global_error"]
         rows.append((shown, fit.points, f"global error on the {judged_on}", "%", 100 * error))
     data = pd.DataFrame(rows, columns=["fit", "points", "quantity", "unit", "value"])
-    note = simulations_note(results.forces(plan))
+    note = simulation_error_note(results.forces(plan))
     if plan == "four_factor":
         note += " φφ in degrees, φr in metres."
     return Page({"title": title, "shown": _fits_side_by_side(data), "note": note}, {"csv": data})
@@ -95,7 +99,7 @@ def _fits_side_by_side(data: pd.DataFrame) -> pd.DataFrame:
     """A row per quantity, a column per fit, five digits."""
     table = data.assign(
         fit=data["fit"] + " (" + data["points"].astype(str) + " points)",
-        value=data["value"].map(five_digits),
+        value=data["value"].map(five_digit_text),
     )
     wide = table.set_index(["quantity", "unit", "fit"])["value"].unstack(sort=False)
     return wide.reset_index()

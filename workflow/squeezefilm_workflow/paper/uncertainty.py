@@ -23,15 +23,15 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.study import scene_of
-from squeezefilm_workflow.reporting.notes import five_digits
+from squeezefilm.studies.study import scene_of_study
+from squeezefilm_workflow.reporting.notes import five_digit_text
 from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
 ForcesFunction = Callable[[Sequence[Scene]], np.ndarray]
 """The mean force of each scene in newtons; NaN where it cannot be simulated."""
 
-ASSUMPTION_SEARCH_POINTS = 13
+ASSUMPTION_SEARCH_COUNT = 13
 POINTS_IN_PLAUSIBLE_RANGE = 5
 
 
@@ -65,28 +65,28 @@ def uncertainty_page(results: Results) -> Page:
     config = results.config
     settings = solver_settings(config, outputs=())
 
-    def forces(scenes: Sequence[Scene]) -> np.ndarray:
-        return solve(settings.with_terms_decided(scenes), **settings.solve_arguments).force_n
+    def simulated_forces_n(scenes: Sequence[Scene]) -> np.ndarray:
+        return solve(settings.with_auto_terms_decided(scenes), **settings.solve_arguments).force_n
 
-    table = assumptions_table(config, forces=forces)
+    table = assumptions_table(config, forces=simulated_forces_n)
     differences = [
         {
             "claim": claim,
             "paper_n": rows["paper_n"].iloc[0],
             "ours_n": rows["ours_n"].iloc[0],
             "explaining": int((rows["verdict"] == "explains").sum()),
-            "assumptions": _shown_assumptions(rows),
+            "assumptions": _readable_assumptions(rows),
         }
         for claim, rows in table.groupby("claim", sort=False)
     ]
     return Page({"differences": differences}, {"csv": table})
 
 
-def _shown_assumptions(rows: pd.DataFrame) -> pd.DataFrame:
+def _readable_assumptions(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the assumptions of a difference for the page, their verdict first, ranges as texts."""
 
     def text_column(name: str) -> pd.Series:
-        return rows[name].map(lambda value: five_digits(value) if np.isfinite(value) else "–")
+        return rows[name].map(lambda value: five_digit_text(value) if np.isfinite(value) else "–")
 
     def range_column(name: str, unit: str = "") -> pd.Series:
         return text_column(f"{name}_lower{unit}") + " to " + text_column(f"{name}_upper{unit}")
@@ -115,7 +115,7 @@ def assumptions_table(config: Study, *, forces: ForcesFunction) -> pd.DataFrame:
     """
     rows: list[dict[str, Any]] = []
     for claim, half_n, point in _force_differences(config):
-        (ours_n,) = forces([scene_of(config, **point)])
+        (ours_n,) = forces([scene_of_study(config, **point)])
         if not np.isfinite(ours_n):
             raise RunError(f"{claim['claim_id']}: the film could not be simulated")
         begin = {**claim, "ours_n": float(ours_n)}
@@ -148,7 +148,7 @@ def _assumption_rows(
             return
         assumed = float(values[key])
 
-    def forces_n(values: np.ndarray) -> np.ndarray:
+    def forces_with_values_n(values: np.ndarray) -> np.ndarray:
         """The forces with other values of the assumption; NaN where there is no such film."""
         scenes = {}
         for k, value in enumerate(values.tolist()):
@@ -157,28 +157,28 @@ def _assumption_rows(
                 changed = {}
             at = {key: changed.pop(f"point.{key}", point[key]) for key in point}
             with suppress(InputError):
-                scenes[k] = scene_of(with_changed_keys(config, changed), **at)
+                scenes[k] = scene_of_study(with_changed_keys(config, changed), **at)
         scene_forces_n = np.full(len(values), np.nan)
         scene_forces_n[list(scenes)] = forces(list(scenes.values()))
         return scene_forces_n
 
-    def excess_n(value: float) -> float:
-        return float(forces_n(np.array([value]))[0] - paper_n)
+    def excess_force_n(value: float) -> float:
+        return float(forces_with_values_n(np.array([value]))[0] - paper_n)
 
     low, high = assumption["plausible"] or _rounding_interval(assumed, assumption["scale"])
     values = np.linspace(low, high, POINTS_IN_PLAUSIBLE_RANGE if high > low else 1)
-    plausible = np.append(forces_n(values), begin["ours_n"])
+    plausible = np.append(forces_with_values_n(values), begin["ours_n"])
     low_n, high_n = np.nanmin(plausible), np.nanmax(plausible)
     # From small to large, with that assumed among them.
     least, most = assumption["search"]
-    values = np.linspace(least, most, ASSUMPTION_SEARCH_POINTS)
+    values = np.linspace(least, most, ASSUMPTION_SEARCH_COUNT)
     if assumption["rest"] is None:
-        tried = assumed * np.geomspace(least, most, ASSUMPTION_SEARCH_POINTS)
+        tried = assumed * np.geomspace(least, most, ASSUMPTION_SEARCH_COUNT)
         values = np.unique(np.append(tried, assumed))
-    reached = forces_n(values)
+    reached = forces_with_values_n(values)
     off = reached - paper_n
     between = np.flatnonzero(off[:-1] * off[1:] <= 0)
-    needed = [brentq(excess_n, *values[i : i + 2], rtol=1e-6) for i in between]
+    needed = [brentq(excess_force_n, *values[i : i + 2], rtol=1e-6) for i in between]
     nearest = min(needed, key=lambda value: abs(value - assumed), default=np.nan)
     explains = low_n <= paper_n + half_n and high_n >= paper_n - half_n
     yield {

@@ -23,10 +23,10 @@ from matplotlib.testing.compare import compare_images
 from matplotlib.testing.exceptions import ImageComparisonFailure
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import position_form
-from squeezefilm.models.data import factors_of
+from squeezefilm.film.positions import find_position_columns
+from squeezefilm.models.data import factors_of_table
 from squeezefilm.tables import write_table
-from squeezefilm_workflow.reporting.figures.style import PLAIN_SUFFIX
+from squeezefilm_workflow.reporting.figures.style import PLAIN_PICTURE_SUFFIX
 from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
@@ -38,8 +38,8 @@ CHECK_COLUMNS = (
 REFERENCE_COLUMNS = ("item", "quantity", "cell", "value")
 MAX_CELL_CHARACTERS = 40
 """Characters of a cell on the screen; all of it is in the table."""
-PICTURES_PART, PICTURES_FOLDER = "pictures", "check/figures"
-FILE_OF_PART = {
+PICTURES_PART_NAME, PICTURES_FOLDER = "pictures", "check/figures"
+FILE_TEMPLATE_OF_PART = {
     "simulations": "simulations/{}/forces.csv",
     "fits": "fits/{}.json",
     "designs": "designs/{}.csv",
@@ -47,17 +47,17 @@ FILE_OF_PART = {
     "numerics": "numerics/{}.csv",
     "tables": "tables/{}.csv",
     "figure data": "figures/{}.csv",
-    PICTURES_PART: "check/figures/{}.plain.png",
+    PICTURES_PART_NAME: "check/figures/{}.plain.png",
     "claims": "claims.csv",
 }
 """The file of an item, in the study's results; parts that others are made from stand first."""
-RANDOM_FIGURE = "fig09"
+UNREPRODUCIBLE_FIGURE = "fig09"
 """The figure of many searches: which of them ended where is chance."""
 MAX_PICTURE_RMS = 1.5
 """Of the pixels (0 to 255) between two pictures. In the paper's figures a dropped curve makes 2.4
 to 30, a line of the band 3.5, the zero line of Figure 14 3.5, forces off by 1e-4 0.1. A line of the
 small film in `overview` makes 0.2 and is not seen, nor is one that others hide."""
-PIXEL_RMS_QUANTITY = "RMS of the pixels"
+PIXEL_RMS_LABEL = "RMS of the pixels"
 _NUMBER_PATTERN = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−+]?\d+)?")
 
 MAX_SAMPLED_ROWS = 25
@@ -67,10 +67,10 @@ FIT_OF_DESIGN = {
     "four_factor": "four_factor",
     "four_factor_distinct": "four_factor",
 }
-BUDGET_PATTERN = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
-RESULT_COLUMNS_PATTERN = {
-    "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET_PATTERN}",
-    "simulations/four_factor/error_budget": BUDGET_PATTERN,
+BUDGET_COLUMNS_PATTERN = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
+COLUMNS_PATTERN_OF_RESULT = {
+    "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET_COLUMNS_PATTERN}",
+    "simulations/four_factor/error_budget": BUDGET_COLUMNS_PATTERN,
     "simulations/screen/response": "h0_m|hv_m|corner_hz|instantaneous_fraction|error",
     "simulations/screen/gains": "h0_m|hv_m|frequency_hz|gain|phase_deg",
     "simulations/screen/levitation": "load_n|hv_m|h0_m|stiffness_n_per_m|modified_reynolds",
@@ -80,7 +80,7 @@ RESULT_COLUMNS_PATTERN = {
 }
 """Tables that the study's figures are drawn from, and their columns that are compared."""
 FIXED_PLANS_PATTERN = "(screen|error_map|four_factor_control)"
-CLOSENESS_OF_QUANTITY = {
+TOLERANCE_KIND_OF_QUANTITY = {
     rf"{FIXED_PLANS_PATTERN} force_n": "force",
     rf"{FIXED_PLANS_PATTERN} (h0_m|hv_m|phi_r_m|phi_deg|x_m|y_m)": "given",
     r"\w+ (phi_r_m|phi_deg|x_m|y_m)|[a-z]\w+ (h0_m|hv_m)": "place",
@@ -94,44 +94,46 @@ CLOSENESS_OF_QUANTITY = {
 }
 """How close a column of numbers is, by its table and name; the first that fits, else derived."""
 
-Key = tuple[str, str, str]
-Cells = Mapping[str, str]
-Reference = dict[Key, dict[str, str]]
+QuantityKey = tuple[str, str, str]
+CellTexts = Mapping[str, str]
+ReferenceCells = dict[QuantityKey, dict[str, str]]
 """The cells of every quantity, by part, item and name."""
 
 
 @dataclass(frozen=True)
-class Closeness:
+class CellTolerance:
     """Closeness of two texts: equal words, and numbers within the sum of the limits.
 
     Attributes:
         relative: a share of each value.
-        of_largest: a share of the largest magnitude in the column.
+        fraction_of_largest: a share of the largest magnitude in the column.
         absolute: an amount.
-        digits: units of the last digit that is shown.
+        last_digit_units: units of the last digit that is shown.
     """
 
     relative: float = 0.0
-    of_largest: float = 0.0
+    fraction_of_largest: float = 0.0
     absolute: float = 0.0
-    digits: float = 0.0
+    last_digit_units: float = 0.0
 
     def __str__(self) -> str:
         parts = [f"{size:.2g} {name}" for name, size in vars(self).items() if size]
         return " + ".join(parts).replace("_", " ") or "equal"
 
-    def distances(self, expected: Cells, got: Cells) -> dict[str, float]:
+    def deviation_ratios(self, expected: CellTexts, got: CellTexts) -> dict[str, float]:
         """Return each cell's difference over the allowed one; values up to 1 pass."""
         sizes = [
             abs(_numbers_in_text(text)[0])
             for text in expected.values()
             if _NUMBER_PATTERN.fullmatch(text)
         ]
-        amount = self.absolute + self.of_largest * float(max(sizes, default=0))
+        amount = self.absolute + self.fraction_of_largest * float(max(sizes, default=0))
         cells = dict.fromkeys([*expected, *got])
-        return {cell: self._distance(expected.get(cell), got.get(cell), amount) for cell in cells}
+        return {
+            cell: self._deviation_ratio(expected.get(cell), got.get(cell), amount) for cell in cells
+        }
 
-    def _distance(self, expected: str | None, got: str | None, amount: float) -> float:
+    def _deviation_ratio(self, expected: str | None, got: str | None, amount: float) -> float:
         if expected == got:
             return 0.0
         if (
@@ -143,13 +145,13 @@ class Closeness:
         largest = 0.0
         for want, have in zip(_numbers_in_text(expected), _numbers_in_text(got), strict=True):
             unit = 10.0 ** max(int(number.as_tuple().exponent) for number in (want, have))
-            allowed = amount + self.relative * abs(float(want)) + self.digits * unit
+            allowed = amount + self.relative * abs(float(want)) + self.last_digit_units * unit
             if off := abs(float(want) - float(have)):  # just over one by rounding counts as one
                 largest = max(largest, round(off / allowed, 6) if allowed else math.inf)
         return largest
 
 
-EQUAL_TEXT = Closeness()
+ZERO_TOLERANCE = CellTolerance()
 
 
 def _numbers_in_text(text: str) -> list[Decimal]:
@@ -157,7 +159,7 @@ def _numbers_in_text(text: str) -> list[Decimal]:
     return [Decimal(number.replace("−", "-")) for number in _NUMBER_PATTERN.findall(text)]
 
 
-class Quantity(NamedTuple):
+class CheckedQuantity(NamedTuple):
     """One column, list or text of a study: its cells by name, as text, and how close they must be.
 
     part and item say where it belongs: figure data, fig08. The first three are its key.
@@ -166,8 +168,8 @@ class Quantity(NamedTuple):
     part: str
     item: str
     name: str
-    cells: Cells
-    tolerance: Closeness = EQUAL_TEXT
+    cell_texts: CellTexts
+    tolerance: CellTolerance = ZERO_TOLERANCE
 
 
 def check_page(results: Results, *, reference: str) -> Page:
@@ -175,36 +177,41 @@ def check_page(results: Results, *, reference: str) -> Page:
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
     values = {"summary": passed_and_failed_text(table), "table": shown}
-    return Page(values, {"csv": table, "text": f"{screen_text(table, results.folder)}\n"})
+    return Page(values, {"csv": table, "text": f"{terminal_text(table, results.folder)}\n"})
 
 
 def check_table(results: Results, reference: Path) -> pd.DataFrame:
-    """Return ``compare`` of a study's quantities and those of the reference in a folder."""
-    return compare(study_quantities(results, reference), read_reference(reference))
+    """Return ``compare_quantities`` of a study's quantities and those of the reference in a
+    folder."""
+    return compare_quantities(study_quantities(results, reference), read_reference(reference))
 
 
-def compare(quantities: Iterable[Quantity], reference: Mapping[Key, Cells]) -> pd.DataFrame:
+def compare_quantities(
+    quantities: Iterable[CheckedQuantity], reference: Mapping[QuantityKey, CellTexts]
+) -> pd.DataFrame:
     """A row for every quantity, then one for each that the reference has and the study lacks.
 
     A quantity that the reference does not have fails as well: it was never reviewed.
     """
     quantities = list(quantities)
     keys = {quantity[:3] for quantity in quantities}
-    quantities += [Quantity(*key, {}) for key in reference if key not in keys]
+    quantities += [CheckedQuantity(*key, {}) for key in reference if key not in keys]
     rows = []
     for quantity in quantities:
         expected = reference.get(quantity[:3], {})
-        distances = quantity.tolerance.distances(expected, quantity.cells) or {"": math.inf}
+        distances = quantity.tolerance.deviation_ratios(expected, quantity.cell_texts) or {
+            "": math.inf
+        }
         worst = max(distances, key=lambda cell: distances[cell])
         verdict = PASSED if distances[worst] <= 1 else FAILED
-        values = expected.get(worst, "–"), quantity.cells.get(worst, "missing")
+        values = expected.get(worst, "–"), quantity.cell_texts.get(worst, "missing")
         rows.append(
             (*quantity[:3], *values, str(quantity.tolerance), verdict, worst, distances[worst])
         )
     return pd.DataFrame(rows, columns=list(CHECK_COLUMNS))
 
 
-def read_reference(folder: Path) -> Reference:
+def read_reference(folder: Path) -> ReferenceCells:
     """Read the cells of every quantity, one file for each part.
 
     Raises InputError where there is no reference, or a file of it that is none.
@@ -212,7 +219,7 @@ def read_reference(folder: Path) -> Reference:
     paths = sorted(folder.glob("*.csv"))
     if not paths:
         raise InputError(f"{folder}: there is no reference; `make reference` makes one")
-    reference: Reference = {}
+    reference: ReferenceCells = {}
     for path in paths:
         try:
             table = pd.read_csv(path, dtype=str, keep_default_na=False)
@@ -223,10 +230,10 @@ def read_reference(folder: Path) -> Reference:
         part = path.stem.replace("_", " ")
         for item, quantity, cell, value in table.itertuples(index=False, name=None):
             reference.setdefault((part, item, quantity), {})[cell] = value
-    return reference | pictures_of_folder(folder)
+    return reference | picture_reference(folder)
 
 
-def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path) -> None:
+def write_reference(quantities: Iterable[CheckedQuantity], results: Path, folder: Path) -> None:
     """Write a study's quantities and pictures in the place of an old reference.
 
     Raises InputError where a file cannot be written.
@@ -234,36 +241,41 @@ def write_reference(quantities: Iterable[Quantity], results: Path, folder: Path)
     rows = [
         (*quantity[:3], *cell)
         for quantity in quantities
-        if quantity.part != PICTURES_PART
-        for cell in quantity.cells.items()
+        if quantity.part != PICTURES_PART_NAME
+        for cell in quantity.cell_texts.items()
     ]
-    for path in (*folder.glob("*.csv"), *folder.glob(f"*{PLAIN_SUFFIX}")):
+    for path in (*folder.glob("*.csv"), *folder.glob(f"*{PLAIN_PICTURE_SUFFIX}")):
         path.unlink()
     table = pd.DataFrame(rows, columns=["part", *REFERENCE_COLUMNS])
     for part, cells in table.groupby("part"):
         write_table(cells.drop(columns="part"), folder / f"{str(part).replace(' ', '_')}.csv")
-    for _, name, _ in pictures_of_folder(results / PICTURES_FOLDER):
-        shutil.copy(results / PICTURES_FOLDER / f"{name}{PLAIN_SUFFIX}", folder)
+    for _, name, _ in picture_reference(results / PICTURES_FOLDER):
+        shutil.copy(results / PICTURES_FOLDER / f"{name}{PLAIN_PICTURE_SUFFIX}", folder)
 
 
-def pictures_of_folder(folder: Path) -> Reference:
+def picture_reference(folder: Path) -> ReferenceCells:
     """Return the zero difference of each plain figure of a folder from itself."""
-    names = sorted(path.name.removesuffix(PLAIN_SUFFIX) for path in folder.glob(f"*{PLAIN_SUFFIX}"))
+    names = sorted(
+        path.name.removesuffix(PLAIN_PICTURE_SUFFIX)
+        for path in folder.glob(f"*{PLAIN_PICTURE_SUFFIX}")
+    )
     return {
-        (PICTURES_PART, name, "difference"): {PIXEL_RMS_QUANTITY: "0"}
+        (PICTURES_PART_NAME, name, "difference"): {PIXEL_RMS_LABEL: "0"}
         for name in names
-        if name != RANDOM_FIGURE
+        if name != UNREPRODUCIBLE_FIGURE
     }
 
 
-def compare_pictures(pictures: Path, reference: Path) -> Iterator[Quantity]:
+def compare_pictures(pictures: Path, reference: Path) -> Iterator[CheckedQuantity]:
     """Yield the MAX_PICTURE_RMS difference of each figure's picture from the reference's picture.
 
     Fonts change a picture by more than a dropped curve does, hence no texts. Where it is too far
     off, the difference is drawn beside it.
     """
-    for key in sorted(pictures_of_folder(pictures) | pictures_of_folder(reference)):
-        expected, got = (folder / f"{key[1]}{PLAIN_SUFFIX}" for folder in (reference, pictures))
+    for key in sorted(picture_reference(pictures) | picture_reference(reference)):
+        expected, got = (
+            folder / f"{key[1]}{PLAIN_PICTURE_SUFFIX}" for folder in (reference, pictures)
+        )
         apart = "one of the two is missing"
         if expected.exists() and got.exists():
             got.with_name(f"{got.stem}-failed-diff.png").unlink(missing_ok=True)
@@ -274,7 +286,9 @@ def compare_pictures(pictures: Path, reference: Path) -> Iterator[Quantity]:
                 apart = f"{difference['rms']:.3g}" if difference else "0"
             except (ImageComparisonFailure, OSError, SyntaxError) as error:
                 apart = " ".join(str(error).split())
-        yield Quantity(*key, {PIXEL_RMS_QUANTITY: apart}, Closeness(absolute=MAX_PICTURE_RMS))
+        yield CheckedQuantity(
+            *key, {PIXEL_RMS_LABEL: apart}, CellTolerance(absolute=MAX_PICTURE_RMS)
+        )
 
 
 def passed_and_failed_text(table: pd.DataFrame) -> str:
@@ -289,7 +303,7 @@ def passed_and_failed_text(table: pd.DataFrame) -> str:
     return f"All {len(table)} quantities passed."
 
 
-def screen_text(table: pd.DataFrame, folder: Path) -> str:
+def terminal_text(table: pd.DataFrame, folder: Path) -> str:
     """Return each part's worst quantity, all that failed in a folder of results, and the summary.
 
     Of what failed, causes stand first.
@@ -298,14 +312,16 @@ def screen_text(table: pd.DataFrame, folder: Path) -> str:
     worst = table.loc[table.groupby("part", sort=False)["of_tolerance"].idxmax()]
     worst = worst[worst["verdict"] == PASSED]
     kinds = {"Worst of each part": worst[["part", "item", "quantity", "of_tolerance"]]}
-    order = list(FILE_OF_PART)
+    order = list(FILE_TEMPLATE_OF_PART)
     rows = table[failed].sort_values(
         "part", key=lambda parts: parts.map(order.index), kind="stable"
     )
     if len(rows):
         kinds["Failed"] = rows
     items = zip(rows["part"], rows["item"], strict=True)
-    files = dict.fromkeys(str(folder / FILE_OF_PART[part].format(item)) for part, item in items)
+    files = dict.fromkeys(
+        str(folder / FILE_TEMPLATE_OF_PART[part].format(item)) for part, item in items
+    )
     how: dict[str, Any] = {
         "index": False,
         "max_colwidth": MAX_CELL_CHARACTERS,
@@ -316,31 +332,33 @@ def screen_text(table: pd.DataFrame, folder: Path) -> str:
     return "".join([*shown, *paths, passed_and_failed_text(table)])
 
 
-def closeness_by_kind(solver: float) -> dict[str, Closeness]:
+def tolerance_by_kind(solver: float) -> dict[str, CellTolerance]:
     """Return the tolerance of each kind of quantity for a solver tolerance."""
     return {
         # What the configuration gives, through plain arithmetic.
-        "given": Closeness(relative=1e-9, of_largest=1e-12),
+        "given": CellTolerance(relative=1e-9, fraction_of_largest=1e-12),
         # Derived in several steps, and local pressures, which the solver's tolerance is not of.
-        "derived": Closeness(of_largest=0.01),
+        "derived": CellTolerance(fraction_of_largest=0.01),
         # An optimum is flat: its place is known to the root of its value's accuracy.
-        "place": Closeness(of_largest=1e-3),
-        "design": Closeness(relative=1e-3),
-        "force": Closeness(relative=2 * solver),
+        "place": CellTolerance(fraction_of_largest=1e-3),
+        "design": CellTolerance(relative=1e-3),
+        "force": CellTolerance(relative=2 * solver),
         # Errors of forces pass to fitted ones about one to one, also from five points.
-        "model": Closeness(of_largest=4 * solver + 1e-7),
+        "model": CellTolerance(fraction_of_largest=4 * solver + 1e-7),
         # Norms of residuals over those of the forces move no more than the forces do.
-        "residual": Closeness(absolute=4 * solver + 1e-7),
+        "residual": CellTolerance(absolute=4 * solver + 1e-7),
         # Errors of forces reach parameters sevenfold, and more in combination.
-        "parameters": Closeness(relative=100 * solver + 1e-4, of_largest=100 * solver + 1e-6),
+        "parameters": CellTolerance(
+            relative=100 * solver + 1e-4, fraction_of_largest=100 * solver + 1e-6
+        ),
         # As a text shows it: where the digits shown are more than are known, those.
-        "shown": Closeness(relative=20 * solver, digits=1),
+        "shown": CellTolerance(relative=20 * solver, last_digit_units=1),
         # A plan's smallest forces are hundreds of times smaller than the largest.
-        "relative error": Closeness(of_largest=min(0.05, 1e4 * solver)),
+        "relative error": CellTolerance(fraction_of_largest=min(0.05, 1e4 * solver)),
     }
 
 
-def study_quantities(results: Results, reference: Path) -> list[Quantity]:
+def study_quantities(results: Results, reference: Path) -> list[CheckedQuantity]:
     """All quantities of a finished study, in the order in which they are checked.
 
     A file that is missing has none; those that a reference has of it then fail.
@@ -352,30 +370,30 @@ def study_quantities(results: Results, reference: Path) -> list[Quantity]:
     """
     config, folder = results.config, results.folder
 
-    def names_matching(pattern: str) -> list[str]:
+    def file_stems_matching(pattern: str) -> list[str]:
         return sorted(path.stem for path in folder.glob(pattern))
 
-    closeness = closeness_by_kind(float(config.solver.tolerance))
+    closeness = tolerance_by_kind(float(config.solver.tolerance))
     plans = sorted(path.parent.name for path in folder.glob("simulations/*/forces.csv"))
     items = [
         *(
             ("figure data", name, _table_quantities)
-            for name in names_matching("figures/fig*.csv")
-            if name != RANDOM_FIGURE
+            for name in file_stems_matching("figures/fig*.csv")
+            if name != UNREPRODUCIBLE_FIGURE
         ),
         *(
             ("results", name, _table_quantities)
-            for name in RESULT_COLUMNS_PATTERN
+            for name in COLUMNS_PATTERN_OF_RESULT
             if results.exists(f"{name}.csv")
         ),
-        *(("tables", name, _table_quantities) for name in names_matching("tables/table*.csv")),
-        *(("claims", name, _claim_quantities) for name in names_matching("claims.csv")),
+        *(("tables", name, _table_quantities) for name in file_stems_matching("tables/table*.csv")),
+        *(("claims", name, _claim_quantities) for name in file_stems_matching("claims.csv")),
         *(
             ("simulations", plan, _simulation_quantities)
             for plan in plans
             if plan[:10] != "validation"
         ),
-        *(("fits", name, _fit_quantities) for name in names_matching("fits/*.json")),
+        *(("fits", name, _fit_quantities) for name in file_stems_matching("fits/*.json")),
         *(("designs", name, _design_quantities) for name in FIT_OF_DESIGN),
     ]
     # A reference has a sample of the films; all of them take minutes.
@@ -395,106 +413,106 @@ def cell_text(value: Any) -> str:
 
 
 def column_quantities(
-    table: pd.DataFrame, closeness: Mapping[str, Closeness], part: str, item: str
-) -> Iterator[Quantity]:
+    table: pd.DataFrame, closeness: Mapping[str, CellTolerance], part: str, item: str
+) -> Iterator[CheckedQuantity]:
     """A table's number of rows, then its columns thinned out, each as close as in
-    CLOSENESS_OF_QUANTITY.
+    TOLERANCE_KIND_OF_QUANTITY.
 
     Of a longer table, MAX_SAMPLED_ROWS rows evenly spaced are kept, and of its columns of numbers
     the least, the mean and the largest value.
     """
-    yield Quantity(part, item, "rows", {"rows": str(len(table))})
+    yield CheckedQuantity(part, item, "rows", {"rows": str(len(table))})
     for name in map(str, table):
         column, column_path = table[name], f"{item} {name}"
         kinds = (
             kind
-            for pattern, kind in CLOSENESS_OF_QUANTITY.items()
+            for pattern, kind in TOLERANCE_KIND_OF_QUANTITY.items()
             if re.fullmatch(pattern, column_path)
         )
         kind = next(kinds, "derived" if column.dtype == float else None)
-        cells = _sampled_rows(column)
+        cells = _sampled_cell_texts(column)
         if kind and len(table) > MAX_SAMPLED_ROWS:
             extremes = column.agg(["min", "mean", "max"]).set_axis(["least", "mean", "largest"])
             cells |= {str(name): cell_text(value) for name, value in extremes.items()}
-        yield Quantity(part, item, name, cells, closeness[kind] if kind else EQUAL_TEXT)
+        yield CheckedQuantity(part, item, name, cells, closeness[kind] if kind else ZERO_TOLERANCE)
 
 
-def _sampled_rows(column: pd.Series) -> dict[str, str]:
+def _sampled_cell_texts(column: pd.Series) -> dict[str, str]:
     kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, MAX_SAMPLED_ROWS)})
     return {f"row {row + 1}": cell_text(column.iloc[row]) for row in kept}
 
 
-Quantities = Iterator[Quantity]
-ClosenessOfColumn = Mapping[str, Closeness]
+CheckedQuantities = Iterator[CheckedQuantity]
+ToleranceOfKind = Mapping[str, CellTolerance]
 
 
 def _table_quantities(
-    results: Results, closeness: ClosenessOfColumn, part: str, item: str
-) -> Quantities:
+    results: Results, closeness: ToleranceOfKind, part: str, item: str
+) -> CheckedQuantities:
     """A table of the paper, or one that a figure draws."""
     folder = {"figure data": "figures/", "tables": "tables/"}.get(part, "")
     table = results.table(f"{folder}{item}.csv")
     chosen = [
-        name for name in table if re.fullmatch(RESULT_COLUMNS_PATTERN.get(item, ".*"), str(name))
+        name for name in table if re.fullmatch(COLUMNS_PATTERN_OF_RESULT.get(item, ".*"), str(name))
     ]
     return column_quantities(table[chosen], closeness, part, item)
 
 
 def _claim_quantities(
-    results: Results, closeness: ClosenessOfColumn, part: str, item: str
-) -> Quantities:
+    results: Results, closeness: ToleranceOfKind, part: str, item: str
+) -> CheckedQuantities:
     """Every claim's verdict and our value; of the run time, the verdict alone."""
     table = results.table(f"{item}.csv", "claim_id", "claim", "paper", "ours", "unit", "verdict")
     for claim in table.fillna("").astype(str).to_dict("records"):
         name = claim["claim_id"]
         agrees = claim["verdict"].partition(" ")[0]
-        yield Quantity(part, name, "verdict", {claim["claim"]: agrees})
+        yield CheckedQuantity(part, name, "verdict", {claim["claim"]: agrees})
         if name != "seconds":
             cells = {f"ours, in {claim['unit']}; paper: {claim['paper']}": claim["ours"]}
-            yield Quantity(part, name, "ours", cells, closeness["shown"])
+            yield CheckedQuantity(part, name, "ours", cells, closeness["shown"])
 
 
 def _simulation_quantities(
-    results: Results, closeness: ClosenessOfColumn, part: str, item: str
-) -> Quantities:
+    results: Results, closeness: ToleranceOfKind, part: str, item: str
+) -> CheckedQuantities:
     """The points of a plan, their forces, and whether error estimates keep the tolerance."""
     forces = results.forces(item)
-    shown = forces[["point_id", "h0_m", "hv_m", *position_form(forces), "force_n"]]
+    shown = forces[["point_id", "h0_m", "hv_m", *find_position_columns(forces), "force_n"]]
     yield from column_quantities(shown, closeness, part, item)
     largest = (forces["force_error_n"] / forces["force_n"].abs()).max()
     kept = {"of all points": str(largest <= results.config.solver.tolerance)}
-    yield Quantity(part, item, "estimated errors within the tolerance", kept)
+    yield CheckedQuantity(part, item, "estimated errors within the tolerance", kept)
 
 
 def _fit_quantities(
-    results: Results, closeness: ClosenessOfColumn, part: str, item: str
-) -> Quantities:
+    results: Results, closeness: ToleranceOfKind, part: str, item: str
+) -> CheckedQuantities:
     """A fit's objective, and what it predicts at the points of its plan."""
     fit = results.fit(item)
     objective = {"|y − η|/|y|": f"{fit.global_error:.9g}"}
-    yield Quantity(part, item, "objective", objective, closeness["residual"])
-    forces = fit.force_model.evaluate(fit.theta, factors_of(results.scenes(item)))
-    yield Quantity(
-        part, item, "predicted forces", _sampled_rows(pd.Series(forces)), closeness["model"]
+    yield CheckedQuantity(part, item, "objective", objective, closeness["residual"])
+    forces = fit.force_model.evaluate(fit.theta, factors_of_table(results.scenes(item)))
+    yield CheckedQuantity(
+        part, item, "predicted forces", _sampled_cell_texts(pd.Series(forces)), closeness["model"]
     )
 
 
 def _design_quantities(
-    results: Results, closeness: ClosenessOfColumn, part: str, item: str
-) -> Quantities:
+    results: Results, closeness: ToleranceOfKind, part: str, item: str
+) -> CheckedQuantities:
     """D-efficiency of a design for the model that it was made for, times that of the best
     design."""
     fit, design = results.fit(FIT_OF_DESIGN[item]), results.design(item)
-    slopes = fit.force_model.gradient(fit.theta, factors_of(design))
+    slopes = fit.force_model.gradient(fit.theta, factors_of_table(design))
     sign, logarithm = np.linalg.slogdet(slopes.T @ slopes / len(slopes))
     worth = {"det(F'F/N)^(1/p)": cell_text(sign * np.exp(logarithm / len(fit.theta)))}
-    yield Quantity(part, item, "D-efficiency", worth, closeness["design"])
+    yield CheckedQuantity(part, item, "D-efficiency", worth, closeness["design"])
 
 
 def _stability_quantities(
-    results: Results, closeness: ClosenessOfColumn, part: str, item: str
-) -> Quantities:
+    results: Results, closeness: ToleranceOfKind, part: str, item: str
+) -> CheckedQuantities:
     """The verdict on every stiff or extreme film."""
     table = results.table("numerics/stability.csv", "case", "verdict").astype(str)
     verdicts = dict(zip(table["case"], table["verdict"], strict=True))
-    yield Quantity(part, item, "verdicts", verdicts)
+    yield CheckedQuantity(part, item, "verdicts", verdicts)

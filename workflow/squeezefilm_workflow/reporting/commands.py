@@ -8,9 +8,15 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from squeezefilm.cli.options import OUTPUT_OPTION, command, option, table_output, write_rows
+from squeezefilm.cli.options import (
+    OUTPUT_OPTION,
+    command,
+    option,
+    table_output_option,
+    write_or_print_rows,
+)
 from squeezefilm.errors import InputError, RunError, prefix_errors
-from squeezefilm.film.positions import CARTESIAN
+from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, read_columns, write_table
 from squeezefilm_workflow.reporting.results import Results
@@ -20,10 +26,10 @@ if TYPE_CHECKING:
 
 RESULTS_ARGUMENT = option("results", "RESULTS", "the study's results", type=Path)
 STUDY_OPTION = option("--config", "CONFIG.yaml", "the study, if not RESULTS' own")
-FILES_OPTION = option("--output", "FILE", required=True, nargs="+", type=Path)
+FIGURE_FILES_OPTION = option("--output", "FILE", required=True, nargs="+", type=Path)
 RECOMMENDATION_COLUMNS_SHOWN = (
     *("space", "model", "validation_error_percent", "simulations", "worst_error_percent"),
-    *(*FACTOR_COLUMNS, *CARTESIAN),
+    *(*FACTOR_COLUMNS, *CARTESIAN_COLUMNS),
     *("force_n", "hv_error_95_m", "note"),
 )
 PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
@@ -35,7 +41,7 @@ PICTURE_SUFFIXES = (".png", ".svg", ".pdf")
     option("figure", "FIGURE", "such as fig05 or models/two_factor_errors, or TABLE.csv"),
     option("results", "RESULTS", "the study's results, or PROFILE.csv", type=Path, nargs="?"),
     STUDY_OPTION,
-    FILES_OPTION,
+    FIGURE_FILES_OPTION,
 )
 def plot(options: argparse.Namespace) -> None:
     """Draw a figure of a finished study, or its table, or a table that a command wrote.
@@ -52,9 +58,9 @@ def plot(options: argparse.Namespace) -> None:
     """
     tables = (".csv", ".parquet")
     if options.figure.endswith(tables):
-        from squeezefilm_workflow.reporting.figures.curve import curve
+        from squeezefilm_workflow.reporting.figures.curve import curve_figure
 
-        return _save_figure_of_table(options.figure, ("h0_m", "hv_m"), curve, options.output)
+        return _save_figure_of_table(options.figure, ("h0_m", "hv_m"), curve_figure, options.output)
     if options.figure == "profile" and options.results and options.results.suffix in tables:
         from squeezefilm_workflow.reporting.figures.maps import (
             VIBRATION_PROFILE_COLUMNS,
@@ -67,7 +73,7 @@ def plot(options: argparse.Namespace) -> None:
     check_formats(options.output, (*PICTURE_SUFFIXES, ".csv"))
     if options.results is None:
         raise InputError(f"{options.figure}: give the folder of the study's results too")
-    from squeezefilm_workflow.reporting.figures import FIGURES, save
+    from squeezefilm_workflow.reporting.figures import FIGURES, draw_and_save
 
     figures = dict(FIGURES)
     for point in entry_points(group="squeezefilm.figures"):
@@ -76,7 +82,7 @@ def plot(options: argparse.Namespace) -> None:
     if place not in figures:
         known = ", ".join(name.removeprefix("figures/") for name in figures)
         raise InputError(f"there is no figure {options.figure!r}; the figures are {known}")
-    save(figures[place], Results.of(options.results, options.config), options.output)
+    draw_and_save(figures[place], Results.of(options.results, options.config), options.output)
 
 
 def _save_figure_of_table(
@@ -90,10 +96,10 @@ def _save_figure_of_table(
     check_formats(output, PICTURE_SUFFIXES)
     table = read_columns(path, columns=columns, optional=FACTOR_COLUMNS)
     with style.figure_style(), prefix_errors(path):
-        style.save(draw(table), output)
+        style.save_figure(draw(table), output)
 
 
-@command(option("field", "FIELD.nc", "by `squeezefilm pressure`"), FILES_OPTION)
+@command(option("field", "FIELD.nc", "by `squeezefilm pressure`"), FIGURE_FILES_OPTION)
 def plot_pressure(options: argparse.Namespace) -> None:
     """Pictures of a pressure field over the period, and an animation of it.
 
@@ -105,9 +111,9 @@ def plot_pressure(options: argparse.Namespace) -> None:
     The same field gives the same files. Both need xarray: the extra `fields`.
     """
     check_formats(options.output, (*PICTURE_SUFFIXES, ".gif"))
-    from squeezefilm_workflow.reporting.pressure_pictures import draw
+    from squeezefilm_workflow.reporting.pressure_pictures import draw_pressure_field
 
-    draw(options.field, options.output)
+    draw_pressure_field(options.field, options.output)
 
 
 def check_formats(files: Sequence[Path], formats: Sequence[str]) -> None:
@@ -133,10 +139,10 @@ def recommend(options: argparse.Namespace) -> None:
     models`). The screen shows the positions with the least and the largest amplitude, errors in per
     cent, and the fit's file for `squeezefilm amplitude-for`; --output has all, and fractions.
     """
-    from squeezefilm_workflow.reporting.models import recommend
+    from squeezefilm_workflow.reporting.models import recommendation_table
 
     results = Results.of(options.results, options.config)
-    table = recommend(results)
+    table = recommendation_table(results)
     if table["model"].isna().all():
         raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
     if options.output is None:
@@ -145,16 +151,16 @@ def recommend(options: argparse.Namespace) -> None:
             table[f"{name}_percent"] = 100 * table[name]
         ends = table.sort_values("hv_m").groupby("space", sort=False)["hv_m"].nth([0, -1]).index
         table = table.loc[ends, [name for name in RECOMMENDATION_COLUMNS_SHOWN if name in table]]
-    write_rows(table, options)
+    write_or_print_rows(table, options)
     for best in table.drop_duplicates("space").to_dict("records"):
-        print(f"fit of {best['space']}: {results.candidate(best['space'], best['model'])}")
+        print(f"fit of {best['space']}: {results.candidate_fit_file(best['space'], best['model'])}")
 
 
 @command(
     RESULTS_ARGUMENT,
     STUDY_OPTION,
     option("--reference", "FOLDER", "made by `squeezefilm reference`", required=True, type=Path),
-    table_output("--output", "CHECK.csv", "the table, a row each quantity"),
+    table_output_option("--output", "CHECK.csv", "the table, a row each quantity"),
 )
 def check(options: argparse.Namespace) -> int:
     """Compare the results of a finished study with a small reference.
@@ -166,12 +172,12 @@ def check(options: argparse.Namespace) -> int:
     part's worst quantity and every quantity that failed; all of them are in the table.
     The exit status is 1 when anything failed.
     """
-    from squeezefilm_workflow.reporting.check import FAILED, check_table, screen_text
+    from squeezefilm_workflow.reporting.check import FAILED, check_table, terminal_text
 
     table = check_table(Results.of(options.results, options.config), options.reference)
     if options.output:
         write_table(table, options.output)
-    print(screen_text(table, options.results))
+    print(terminal_text(table, options.results))
     return int((table["verdict"] == FAILED).any())
 
 

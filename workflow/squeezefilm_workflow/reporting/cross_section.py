@@ -7,7 +7,7 @@ import pandas as pd
 
 from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.pressure import pressure
+from squeezefilm.quantities.pressure import gauge_pressure_and_change
 from squeezefilm.reynolds.device import Device
 
 POINTS_ALONG_X, TIMES_PER_PERIOD = 41, 16
@@ -30,7 +30,7 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
     surface = pad - scene.h0_m * scene.gap(x, middle, phase).T
     values = np.full(surface.shape, np.nan)
     with suppress(RunError):
-        gauge_pressure_ratio, _ = pressure(
+        gauge_pressure_ratio, _ = gauge_pressure_and_change(
             scene,
             x=x,
             y=middle[:1],

@@ -15,18 +15,18 @@ import scipy
 from squeezefilm.columns import COLUMNS
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import columns_in_form, position_form
-from squeezefilm.models.data import Factors, factors_of
-from squeezefilm.models.fit_file import FittedModel, amplitude_for, fit_from_values, read_fit
-from squeezefilm.models.fitting import local_fit, parameter_ranges
-from squeezefilm.models.force_model import FACTOR_SPACES, check_columns_known
+from squeezefilm.film.positions import columns_in_table_form, find_position_columns
+from squeezefilm.models.data import Factors, factors_of_table
+from squeezefilm.models.fit_file import FittedModel, amplitude_row, fit_from_values, read_fit
+from squeezefilm.models.fitting import local_fit_theta, parameter_ranges
+from squeezefilm.models.force_model import FACTOR_SPACE_NAMES, check_columns_known
 from squeezefilm.models.prediction_interval import (
     error_statistics,
     ranking_points_mask,
     relative_errors,
 )
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
-from squeezefilm_workflow.reporting.notes import TEXT_OF_REFINE_VERDICT, percent
+from squeezefilm_workflow.reporting.notes import TEXT_OF_REFINE_VERDICT, percent_text
 from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
 
@@ -54,20 +54,21 @@ SHOWN_COLUMN_TITLES = {
 }
 """Columns of a comparison as its page has them, in words."""
 COUNT_COLUMNS = ("parameters", "fit_points", "validation_points", "validation_failed")
-RECOMMENDATION_PLANS = ("four_factor", *(f"validation_{space}" for space in FACTOR_SPACES))
+RECOMMENDATION_PLANS = ("four_factor", *(f"validation_{space}" for space in FACTOR_SPACE_NAMES))
 """The plans that the recommended model is judged by; the first has the positions."""
 RECOMMENDATION_COLUMNS = ("space", "model", "validation_error", "h0_m", "x_m", "y_m", "force_n")
 """Columns of a table with one empty row: no model can be judged."""
 
 
 def models_page(results: Results, *, space: str) -> Page:
-    """The page of a space's candidates (see ``compare``), the best on the sample first."""
-    table, errors = compare(results, space)
-    judged = ranked(table)
-    fits = [read_fit(results.candidate(space, model)) for model in judged["model"]]
+    """The page of a space's candidates (see ``compare_candidates``), the best on the sample
+    first."""
+    table, errors = compare_candidates(results, space)
+    judged = ranked_models(table)
+    fits = [read_fit(results.candidate_fit_file(space, model)) for model in judged["model"]]
     values = {
         "space": space,
-        "shown": shown_table(judged),
+        "shown": shown_models_table(judged),
         "statement": next((fit.statement for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
         "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),
@@ -78,13 +79,13 @@ def models_page(results: Results, *, space: str) -> Page:
     return Page(values, {"table": table, "errors": errors})
 
 
-def ranked(table: pd.DataFrame) -> pd.DataFrame:
+def ranked_models(table: pd.DataFrame) -> pd.DataFrame:
     """Return the models that are validated, the recommended one first."""
     known = table[table["validation_error"].notna()]
     return known.sort_values(["validation_error", "parameters"], kind="stable")
 
 
-def shown_table(judged: pd.DataFrame) -> pd.DataFrame:
+def shown_models_table(judged: pd.DataFrame) -> pd.DataFrame:
     """Return ranked models, if there are any, as their page shows them.
 
     Errors are beside the recommended one's.
@@ -95,7 +96,7 @@ def shown_table(judged: pd.DataFrame) -> pd.DataFrame:
     judged = judged.assign(
         verdict=["recommended", *others][: len(judged)],
         error_95_percent=[f"{error:.3g} %" for error in judged["error_95_percent"]],
-        least_coverage=[f"{percent(least)}, {region}" for least, region in regions],
+        least_coverage=[f"{percent_text(least)}, {region}" for least, region in regions],
     )
     return readable_table(judged[list(SHOWN_COLUMN_TITLES)]).set_axis(
         [*SHOWN_COLUMN_TITLES.values()], axis="columns"
@@ -108,10 +109,13 @@ def _parameters_with_intervals(
     """Return the parameters of fits with their intervals; missing where an end is open."""
     plan = results.folder / f"simulations/{'screen' if space == 'two_factor' else space}"
     forces, rows = read_ok_forces(plan / "forces.csv"), []
-    factors, force_n = factors_of(forces, limits=plan / "limits.csv"), forces["force_n"].to_numpy()
+    factors, force_n = (
+        factors_of_table(forces, limits=plan / "limits.csv"),
+        forces["force_n"].to_numpy(),
+    )
     for fit in fits:
         if 0 < len(fit.theta) < len(factors):
-            theta = local_fit(fit.force_model, factors, force_n, fit.theta)
+            theta = local_fit_theta(fit.force_model, factors, force_n, fit.theta)
             found = parameter_ranges(fit.force_model, factors, force_n, theta)
             rows += [{"model": fit.model} | each.to_dict() for each in found]
     table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
@@ -119,7 +123,7 @@ def _parameters_with_intervals(
     return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
 
 
-def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
+def compare_candidates(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The candidates of a space, columns MODEL_COLUMNS, and their errors at each ranking point.
 
     A model that cannot be validated keeps its row, with the reason in ``note``.
@@ -130,13 +134,18 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     half = ranking_points_mask(len(sample))
     known = half & (sample["status"] == "ok").to_numpy()
     factors, forces = factors.take(known), sample[known].reset_index(drop=True)
-    scenes, no_force = forces[columns_in_form(SCENE_COLUMNS, forces)], int(half.sum() - known.sum())
+    scenes, no_force = (
+        forces[columns_in_table_form(SCENE_COLUMNS, forces)],
+        int(half.sum() - known.sum()),
+    )
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
     for name in results.config.comparison.of(space):
-        path = results.candidate(space, name)
+        path = results.candidate_fit_file(space, name)
         values = read_json(path)
         try:
-            row, relative = _errors_of_model(fit_from_values(values, source=path), factors, forces)
+            row, relative = _model_row_and_errors(
+                fit_from_values(values, source=path), factors, forces
+            )
         except InputError as error:
             rows.append({"model": name, "note": str(values.get("not_supported", error))})
             continue
@@ -148,7 +157,7 @@ def compare(results: Results, space: str) -> tuple[pd.DataFrame, pd.DataFrame]:
     return table, pd.concat(errors[1:] or errors, ignore_index=True)
 
 
-def _errors_of_model(
+def _model_row_and_errors(
     fit: FittedModel, factors: Factors, forces: pd.DataFrame
 ) -> tuple[dict[str, Any], np.ndarray]:
     """A model's row, and its relative error at each point.
@@ -156,14 +165,14 @@ def _errors_of_model(
     Raises InputError where it cannot be validated.
     """
     model = fit.force_model
-    if fit.interval is None:
+    if fit.prediction_interval is None:
         raise InputError("not validated: fit it with a validation sample")
     check_columns_known(model, factors)
     predicted = model.evaluate(fit.theta, factors)
     if undefined := int(np.sum(~np.isfinite(predicted))):
         raise InputError(f"undefined at {undefined} points of the validation sample")
     sizes = error_statistics(model_n=predicted, simulation_n=forces["force_n"])
-    least = min(fit.interval.coverage, key=lambda region: region["coverage"])
+    least = min(fit.prediction_interval.coverage, key=lambda region: region["coverage"])
     cross = fit.cross_validation
     row = {
         "model": fit.model,
@@ -175,8 +184,9 @@ def _errors_of_model(
         "validation_error": sizes["global_error"],
         "validation_worst_relative": sizes["largest_relative"],
         "validation_worst_n": sizes["largest_n"],
-        "error_95_percent": 100 * np.median(fit.interval.error_n(predicted) / np.abs(predicted)),
-        "coverage": fit.interval.mean_coverage,
+        "error_95_percent": 100
+        * np.median(fit.prediction_interval.error_n(predicted) / np.abs(predicted)),
+        "coverage": fit.prediction_interval.mean_coverage,
         "coverage_min": least["coverage"],
         "coverage_min_region": f"{least['third']} third of the {COLUMNS[least['quantity']].label}",
         "expression": model.expression,
@@ -186,7 +196,7 @@ def _errors_of_model(
     return row, relative_errors(model_n=predicted, simulation_n=forces["force_n"])
 
 
-def recommend(results: Results) -> pd.DataFrame:
+def recommendation_table(results: Results) -> pd.DataFrame:
     """The best model of each space, and the amplitude that it needs at each position.
 
     Recommended is the model with the least global error on the half of the validation sample that
@@ -200,25 +210,27 @@ def recommend(results: Results) -> pd.DataFrame:
         for plan in RECOMMENDATION_PLANS
     }
     rows = [
-        row for space in FACTOR_SPACES for row in _recommended_amplitudes(results, space, forces)
+        row for space in FACTOR_SPACE_NAMES for row in _recommendation_rows(results, space, forces)
     ]
     return pd.DataFrame(rows or [dict.fromkeys(RECOMMENDATION_COLUMNS)])
 
 
-def _recommended_amplitudes(
+def _recommendation_rows(
     results: Results, space: str, forces: dict[str, pd.DataFrame]
 ) -> Iterator[dict[str, Any]]:
     """A space's model at its positions; nothing where none can be validated."""
     names = ("model", "parameters", "validation_points", "validation_error")
     table = results.table(f"models/{space}.csv", *names)
-    judged = ranked(table)
+    judged = ranked_models(table)
     if judged.empty:
         return
     best = judged.iloc[0]
-    fit = read_fit(results.candidate(space, best["model"]))
+    fit = read_fit(results.candidate_fit_file(space, best["model"]))
     every = pd.concat(list(forces.values()), ignore_index=True)
-    known = every[factors_of(every).phi_r_m == 0] if space == "two_factor" else every
-    model_n = fit.force_model.evaluate(fit.theta, fit.with_limits(factors_of(known)))
+    known = every[factors_of_table(every).phi_r_m == 0] if space == "two_factor" else every
+    model_n = fit.force_model.evaluate(
+        fit.theta, fit.with_asymptotic_forces(factors_of_table(known))
+    )
     errors = ((model_n - known["force_n"]) / known["force_n"]).to_numpy()
     about = {
         "space": space,
@@ -227,13 +239,15 @@ def _recommended_amplitudes(
         "worst_error": float(np.abs(errors).max()) if np.isfinite(errors).all() else np.inf,
     }
     target = results.config.extrapolation
-    positions = forces[RECOMMENDATION_PLANS[0]][list(position_form(every))].drop_duplicates()
+    positions = forces[RECOMMENDATION_PLANS[0]][
+        list(find_position_columns(every))
+    ].drop_duplicates()
     if space == "two_factor":  # the centre alone: models know no other
-        positions = pd.DataFrame([dict.fromkeys(position_form(every), 0.0)])
+        positions = pd.DataFrame([dict.fromkeys(find_position_columns(every), 0.0)])
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
         place = {str(name): float(value) for name, value in row.items()}
         at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **place)
-        found = amplitude_for(fit, at, force_n=target.force_n)
+        found = amplitude_row(fit, at, force_n=target.force_n)
         yield {**about, "h0_m": target.h0_m, **place, **found}
 
 
@@ -318,7 +332,7 @@ def _variance_over_lack_of_fit(folder: Path, fit: FittedModel, held_out: Factors
     if not fit.theta:
         return 0.0
     own = read_ok_forces(folder / "forces.csv")
-    at = factors_of(own, limits=folder / "limits.csv")
+    at = factors_of_table(own, limits=folder / "limits.csv")
     design = at.take(own["point_id"].str.startswith("design").to_numpy())
     slopes = (fit.force_model.gradient(fit.theta, points) for points in (design, held_out))
     # The sensitivity is f' (F'F/n)^-1 f / p.

@@ -15,15 +15,15 @@ from markupsafe import Markup
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
-from squeezefilm_workflow.reporting.notes import five_digits, percent, rounded_up
+from squeezefilm_workflow.reporting.notes import five_digit_text, percent_text, rounded_up_text
 
-VERDICTS_OF_STYLE = {
+VERDICT_STARTS_OF_STYLE = {
     "good": ("agrees", "passed", "solved", "explains", "recommended"),
     "bad": ("differs", "failed", "killed"),
 }
 """How a cell begins that is coloured as good or bad."""
 
-FRACTION_COLUMN = re.compile(
+FRACTION_COLUMN_PATTERN = re.compile(
     r"(\w+_)?(error|relative|global_upper|coverage|fraction)(_min|_all_points|_in_\w+)?"
 )
 """Columns of fractions by their names."""
@@ -33,14 +33,14 @@ class Page(NamedTuple):
     """Values of a page's template, and the tables and texts that are written with the page."""
 
     values: Mapping[str, Any]
-    files: Mapping[str, pd.DataFrame | dict[str, Any] | str]
+    file_contents: Mapping[str, pd.DataFrame | dict[str, Any] | str]
 
 
 def readable_table(table: pd.DataFrame) -> pd.DataFrame:
     """A table for people: fractions in percent, other numbers with five digits, names in words."""
     shown = table.astype(object)
     for name in map(str, table.select_dtypes("float")):
-        form = percent if FRACTION_COLUMN.fullmatch(name) else five_digits
+        form = percent_text if FRACTION_COLUMN_PATTERN.fullmatch(name) else five_digit_text
         shown[name] = table[name].map(form, na_action="ignore")
     units = {"_n$": " (N)", "_percent$": " (%)", "_": " "}
     return shown.set_axis(table.columns.to_series().replace(units, regex=True), axis="columns")
@@ -55,9 +55,11 @@ def markdown_table(table: pd.DataFrame) -> str:
     )
 
 
-PAGES_FOLDER = Path(__file__).parent
+REPORTING_PACKAGE_FOLDER = Path(__file__).parent
 TEMPLATE_ENVIRONMENT = Environment(
-    loader=FileSystemLoader([PAGES_FOLDER / "templates", PAGES_FOLDER / "explorer"]),
+    loader=FileSystemLoader(
+        [REPORTING_PACKAGE_FOLDER / "templates", REPORTING_PACKAGE_FOLDER / "explorer"]
+    ),
     # Markdown is escaped where it becomes HTML.
     autoescape=select_autoescape(["html", "rst"]),
     undefined=StrictUndefined,
@@ -66,13 +68,13 @@ TEMPLATE_ENVIRONMENT = Environment(
     keep_trailing_newline=True,
 )
 TEMPLATE_ENVIRONMENT.filters |= {
-    "percent": percent,
-    "rounded_up": rounded_up,
+    "percent": percent_text,
+    "rounded_up": rounded_up_text,
     "table": markdown_table,
 }
 
 
-def render(template: str, **values: Any) -> str:
+def render_template(template: str, **values: Any) -> str:
     """A template of a page or of the explorer with its values filled in."""
     return TEMPLATE_ENVIRONMENT.get_template(template).render(**values)
 
@@ -99,7 +101,7 @@ def html_of_markdown(markdown: str, *, folder: Path = Path()) -> Markup:
         return f'<img src="data:image/png;base64,{data}"'
 
     body = str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
-    for colour, words in VERDICTS_OF_STYLE.items():
+    for colour, words in VERDICT_STARTS_OF_STYLE.items():
         for word in words:
             body = body.replace(f"<td>{word}", f'<td class="{colour}">{word}')
     body = body.replace("<table>", '<div class="table" tabindex="0"><table>')
@@ -119,4 +121,4 @@ def write_page(markdown: str, page: Path | str, *, folder: Path = Path(), beyond
     if beyond and beyond not in markdown:
         markdown = f"{title}\n\n**{beyond}**\n{rest}"
     body = html_of_markdown(markdown, folder=folder)
-    write_text(render("page.html", body=body, title=title.lstrip("# ")), page)
+    write_text(render_template("page.html", body=body, title=title.lstrip("# ")), page)

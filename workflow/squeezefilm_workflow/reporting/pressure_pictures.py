@@ -20,26 +20,26 @@ if TYPE_CHECKING:
     from xarray import DataArray, Dataset
 
 ANIMATION_SUFFIX = ".gif"
-PHASES_SHOWN = 8
+SHOWN_PHASE_COUNT = 8
 FRAMES_PER_SECOND = 16
-FIELD_AXES = ("phase", "y", "x")
+FIELD_DIMENSION_NAMES = ("phase", "y", "x")
 
 
-def draw(path: Path | str, files: Sequence[Path]) -> None:
+def draw_pressure_field(path: Path | str, files: Sequence[Path]) -> None:
     """Draw a field, an animation where a file's name ends in .gif, else a sheet.
 
     Raises InputError naming the file, where it cannot be read or holds something else.
     """
-    field = read_field(path)
+    field = read_pressure_field(path)
     with style.figure_style():
         for file in files:
             if file.suffix == ANIMATION_SUFFIX:
                 save_animation(field, file)
             else:
-                style.save(pressure_figure(field), [file])
+                style.save_figure(pressure_figure(field), [file])
 
 
-def read_field(path: Path | str) -> Dataset:
+def read_pressure_field(path: Path | str) -> Dataset:
     """A field as `squeezefilm pressure` writes it, the gauge pressure in kPa.
 
     Raises InputError naming the file, where it cannot be read or holds something else.
@@ -54,9 +54,10 @@ def read_field(path: Path | str) -> Dataset:
         reason = " ".join(str(error).split())
         raise InputError(f"{path}: not readable as NetCDF: {reason}") from None
     for name in ("gauge_pressure", "gap"):
-        if name not in field or field[name].dims != FIELD_AXES:
+        if name not in field or field[name].dims != FIELD_DIMENSION_NAMES:
             raise InputError(
-                f"{path}: no {name} over {', '.join(FIELD_AXES)}, as `squeezefilm pressure` "
+                f"{path}: no {name} over {', '.join(FIELD_DIMENSION_NAMES)}, as `squeezefilm "
+                f"pressure` "
                 f"writes it"
             )
     if missing := {"h0_m", "hv_m", "frequency_hz"} - set(field.attrs):
@@ -67,23 +68,23 @@ def read_field(path: Path | str) -> Dataset:
 
 
 def pressure_figure(field: Dataset) -> Figure:
-    """The gauge pressure at PHASES_SHOWN phases and in the mean; means over the pad, over the
+    """The gauge pressure at SHOWN_PHASE_COUNT phases and in the mean; means over the pad, over the
     period.
     """
     figure = style.new_figure(wide=True, height_in=6.0)
     upper, lower = figure.subfigures(2, 1, height_ratios=(2, 1.1), squeeze=False).ravel()
     pressure = field["gauge_pressure"]
-    shown = pressure[:: max(1, pressure.sizes["phase"] // PHASES_SHOWN)][:PHASES_SHOWN]
-    pictures = upper.subplots(2, PHASES_SHOWN // 2)
+    shown = pressure[:: max(1, pressure.sizes["phase"] // SHOWN_PHASE_COUNT)][:SHOWN_PHASE_COUNT]
+    pictures = upper.subplots(2, SHOWN_PHASE_COUNT // 2)
     for axes in pictures.flat[len(shown) :]:
         axes.set_axis_off()
     for axes, values in zip(pictures.flat, shown, strict=False):
-        image = _draw_instant(axes, values, reach=_scale_end(pressure))
+        image = _draw_instant(axes, values, reach=_colour_scale_limit(pressure))
         axes.set_title(f"{float(values['phase']):.0f}°")
     upper.colorbar(image, ax=pictures, label="gauge pressure (kPa)", shrink=0.8)
     middle, period = lower.subplots(1, 2, width_ratios=(1, 1.8))
     mean = pressure.mean("phase")
-    image = _draw_instant(middle, mean, reach=_scale_end(mean))
+    image = _draw_instant(middle, mean, reach=_colour_scale_limit(mean))
     middle.set_title("mean over the period")
     lower.colorbar(image, ax=middle, label="kPa", shrink=0.8)
     _draw_means_over_period(period, field)
@@ -95,7 +96,7 @@ def save_animation(field: Dataset, path: Path | str) -> None:
     """The whole period as a GIF, which goes round without a jump."""
     figure, axes = style.subplots(height_in=3.2)
     pressure = field["gauge_pressure"]
-    image = _draw_instant(axes, pressure[0], reach=_scale_end(pressure))
+    image = _draw_instant(axes, pressure[0], reach=_colour_scale_limit(pressure))
     figure.colorbar(image, ax=axes, label="gauge pressure (kPa)")
     title = axes.set_title("")
     figure.suptitle(_figure_title(field))
@@ -113,7 +114,7 @@ def save_animation(field: Dataset, path: Path | str) -> None:
         named.rename(part)
 
 
-def _scale_end(pressure: DataArray) -> float:
+def _colour_scale_limit(pressure: DataArray) -> float:
     """The end of a scale about zero."""
     return float(np.abs(pressure).max()) or 1.0
 
@@ -121,7 +122,7 @@ def _scale_end(pressure: DataArray) -> float:
 def _draw_instant(axes: Axes, values: DataArray, *, reach: float) -> AxesImage:
     """One instant of the field, with x to the right and y upwards, in millimetres."""
     x, y = (1e3 * values[name].to_numpy() for name in ("x", "y"))
-    scale: dict[str, Any] = {"cmap": style.DIVERGING, "vmin": -reach, "vmax": reach}
+    scale: dict[str, Any] = {"cmap": style.DIVERGING_COLOURMAP, "vmin": -reach, "vmax": reach}
     scale |= {"extent": (x[0], x[-1], y[0], y[-1]), "origin": "lower"}
     image = axes.imshow(values.to_numpy(), interpolation="bilinear", **scale)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")

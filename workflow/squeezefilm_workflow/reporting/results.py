@@ -7,10 +7,10 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.config.loading import STUDY_FILE, load_config
+from squeezefilm.config.loading import STUDY_FILE_NAME, load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import Factors, factors_of
+from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.tables import (
     read_columns,
@@ -39,7 +39,7 @@ class Results:
     @classmethod
     def of(cls, folder: Path, study: Path | str | None = None) -> "Results":
         """The results in a folder, of a study's file, or else of the one that was left there."""
-        return cls(folder, load_config(study or folder / STUDY_FILE))
+        return cls(folder, load_config(study or folder / STUDY_FILE_NAME))
 
     def forces(self, plan: str) -> pd.DataFrame:
         """The simulated forces of a plan, of which none may be missing."""
@@ -49,7 +49,7 @@ class Results:
         """The validation sample of a space, with points that have no force, and its factors."""
         plan = self.folder / f"simulations/validation_{space}"
         forces = read_forces(plan / "forces.csv")
-        return forces, factors_of(forces, limits=plan / "limits.csv")
+        return forces, factors_of_table(forces, limits=plan / "limits.csv")
 
     def scenes(self, plan: str) -> pd.DataFrame:
         """The points of a plan."""
@@ -59,7 +59,7 @@ class Results:
         """A fitted model."""
         return read_fit(self.folder / f"fits/{name}.json")
 
-    def candidate(self, space: str, model: str) -> Path:
+    def candidate_fit_file(self, space: str, model: str) -> Path:
         """The fit of a model that is compared in a space; the study's own on all points."""
         own = "screen" if space == "two_factor" else space
         file = f"fits/{own}" if model == space else f"models/{space}/{model}"

@@ -8,24 +8,24 @@ import pandas as pd
 
 from squeezefilm.columns import COLUMNS
 from squeezefilm.config.loading import differences_from_paper
-from squeezefilm.film.pad import net
-from squeezefilm.film.positions import POLAR, position_form
+from squeezefilm.film.pad import net_points_on_pad
+from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
 from squeezefilm.film.scene import Gas
-from squeezefilm.formatting import label_of
-from squeezefilm.provenance import provenance
-from squeezefilm.units import error_text, round_to_error
+from squeezefilm.formatting import column_label
+from squeezefilm.provenance import provenance_record
+from squeezefilm.units import error_text, value_and_error_texts
 from squeezefilm_workflow.reporting.notes import (
     CLAIM_COLUMNS_SHOWN,
-    claims_verdict_note,
-    largest_simulation_error,
-    percent,
-    rounded_up,
-    signed,
+    claim_verdict_counts,
+    max_simulation_error_fraction,
+    percent_text,
+    rounded_up_text,
+    signed_text,
 )
-from squeezefilm_workflow.reporting.pages import Page, html_of_markdown, render
+from squeezefilm_workflow.reporting.pages import Page, html_of_markdown, render_template
 from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
 
-EFFECT_COLUMNS = (
+EFFECT_COLUMN_STEMS = (
     *("inertia", "slip", "thermal", "edge_loss"),
     *("modelling_error_lower", "modelling_error_upper"),
 )
@@ -41,10 +41,10 @@ def summary_page(results: Results, *, pictures: Mapping[str, str], **about: Sequ
     """
     values = summary_values(results, **about) | {"pictures": pictures}
     guide = "paper_guide.rst" if results.config.paper else "study_guide.rst"
-    body = html_of_markdown(render("in_short.md", **values), folder=results.folder)
-    front = render("front.rst", study=results.config.study, body=body, guide=guide)
+    body = html_of_markdown(render_template("in_short.md", **values), folder=results.folder)
+    front = render_template("front.rst", study=results.config.study, body=body, guide=guide)
     device = results.read_json_file("simulations/device.json")
-    facts = provenance(results.config.sections(), device=device)
+    facts = provenance_record(results.config.sections_as_dict(), device=device)
     return Page(values, {"front": front, "provenance": facts})
 
 
@@ -60,29 +60,29 @@ def summary_values(
     """
     config = results.config
     tables = {plan: results.forces(plan) for plan in plans}
-    sections = config.sections("gas", "actuator", "pad", "solver")
+    sections = config.sections_as_dict("gas", "actuator", "pad", "solver")
     settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting_text)
-    on_disc = position_form(next(iter(tables.values()))) == POLAR
+    on_disc = find_position_columns(next(iter(tables.values()))) == POLAR_COLUMNS
     return {
         **headline_values(results),
         "frequency_khz": f"{config.actuator.frequency_hz / 1e3:g}",
-        "terms": list(_terms(config.gas, tables)),
+        "terms": list(_added_term_texts(config.gas, tables)),
         "position": "distance r and direction φ"
         if on_disc
         else "x and y from the surface's centre",
         "total": sum(len(table) for table in tables.values()),
-        "plans": pd.DataFrame([_plan_summary(plan, table) for plan, table in tables.items()]),
+        "plans": pd.DataFrame([_plan_summary_row(plan, table) for plan, table in tables.items()]),
         "variant": ", ".join(differences_from_paper(config)),
         "settings": settings.rename_axis("setting").reset_index(name="value"),
         "tolerance": f"{config.solver.tolerance:g}",
-        "largest_error": max(map(largest_simulation_error, tables.values())),
+        "largest_error": max(map(max_simulation_error_fraction, tables.values())),
         "methods": sorted({method for table in tables.values() for method in table["method"]}),
         "device": results.read_json_file("simulations/device.json").get("device", "unknown"),
         "profile_uncertainty": max(results.fit(fit).profile_uncertainty for fit in fits),
         "errors": pd.DataFrame(
             [
-                *_recommended_model_errors(results),
-                *(_validation_errors(results, pair) for pair in pairs),
+                *_recommended_model_rows(results),
+                *(_validation_error_row(results, pair) for pair in pairs),
             ]
         ),
         "effects": _effect_rows(results),
@@ -109,23 +109,25 @@ def headline_values(results: Results) -> dict[str, Any]:
     return {
         "study": config.study,
         "point": point,
-        "force": "{} N ± {} N".format(*round_to_error(point["force_n"], point["force_error_n"])),
+        "force": "{} N ± {} N".format(
+            *value_and_error_texts(point["force_n"], point["force_error_n"])
+        ),
         "noise": noise,
-        "under": np.abs(film.pad_profile.amplitude(*net(film.pad), x_m=0.0, y_m=0.0)),
+        "under": np.abs(film.pad_profile.amplitude(*net_points_on_pad(film.pad), x_m=0.0, y_m=0.0)),
         "extremes": list(mapped.iloc[[-1, 0]].itertuples()),
         "full": results.fit("screen"),
         "on_screen": results.validation("screen", "screen"),
         "on_map": results.validation("two_factor_design", "error_map"),
         "fitted": results.fit("two_factor_design").points,
         "judged": results.validation("two_factor_design", "screen"),
-        "claims": claims_verdict_note(results.table("claims.csv", *CLAIM_COLUMNS_SHOWN))
+        "claims": claim_verdict_counts(results.table("claims.csv", *CLAIM_COLUMNS_SHOWN))
         if config.paper
         else None,
         "recommended": recommended,
         "measured": config.measurements and results.read_json_file("measurements/summary.json"),
         "amplitudes": _amplitude_rows,
         "target": config.extrapolation,
-        "neglected": _modelling_error_bounds(results),
+        "neglected": _modelling_error_texts(results),
         "beyond": results.validity_note,
     }
 
@@ -134,7 +136,7 @@ def _amplitude_rows(table: pd.DataFrame) -> pd.DataFrame:
     """The amplitude for the target force at each position, and the error of that force."""
     amplitudes = zip(1e6 * table["hv_m"], 1e6 * table["hv_error_95_m"], strict=True)
     shown = [
-        round_to_error(*value_and_error)[0] if np.isfinite(value_and_error[0]) else "none"
+        value_and_error_texts(*value_and_error)[0] if np.isfinite(value_and_error[0]) else "none"
         for value_and_error in amplitudes
     ]
     error = table["error_95_percent"].map(lambda percentage: f"{error_text(percentage)} %")
@@ -154,54 +156,56 @@ def _position_texts(table: pd.DataFrame) -> dict[str, pd.Series]:
     """The pad's positions by name and unit."""
     return {
         f"{column.text_symbol} ({column.shown_unit})": column.in_shown_unit(table[column.name])
-        for column in map(COLUMNS.__getitem__, position_form(table))
+        for column in map(COLUMNS.__getitem__, find_position_columns(table))
     }
 
 
-def _modelling_error_bounds(results: Results) -> dict[str, Any] | None:
+def _modelling_error_texts(results: Results) -> dict[str, Any] | None:
     """Return the bounds of the modelling error over the screen; None where they are not known."""
     table = results.budget("screen")
     ends = table[MODELLING_ERROR_COLUMNS].to_numpy(dtype=float)
     if not np.isfinite(ends).all():
         return None
-    return {"lower": signed(ends.min()), "upper": signed(ends.max())}
+    return {"lower": signed_text(ends.min()), "upper": signed_text(ends.max())}
 
 
 def _effect_rows(results: Results) -> pd.DataFrame:
     """Each effect at the screen's least and largest gap, at its largest amplitude."""
     table = results.budget("screen")
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
-    shown: dict[str, Any] = {"effect": list(map(label_of, EFFECT_COLUMNS))}
+    shown: dict[str, Any] = {"effect": list(map(column_label, EFFECT_COLUMN_STEMS))}
     for _, row in table.iloc[[0, -1]].iterrows():
         present = row["included_effects"].split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
-            "in the forces" if name in present else signed(row[f"{name}_percent"])
-            for name in EFFECT_COLUMNS
+            "in the forces" if name in present else signed_text(row[f"{name}_percent"])
+            for name in EFFECT_COLUMN_STEMS
         ]
     return pd.DataFrame(shown)
 
 
-def _terms(gas: Gas, tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
+def _added_term_texts(gas: Gas, tables: Mapping[str, pd.DataFrame]) -> Iterator[str]:
     """Terms of the study's equation beyond the paper's, as in the simulations if there are any."""
     absent = [row for table in tables.values() for row in table["absent_terms"].dropna()]
     for name, chosen in (("inertia", gas.inertia), ("thermal", gas.thermal)):
         if chosen != "none" and not all(name in terms_absent for terms_absent in absent):
             where = "" if chosen == "included" else " where needed"
-            yield f"{label_of(name)}{where}"
+            yield f"{column_label(name)}{where}"
 
 
-def _plan_summary(plan: str, table: pd.DataFrame) -> dict[str, str]:
+def _plan_summary_row(plan: str, table: pd.DataFrame) -> dict[str, str]:
     columns = {"h0 (µm)": 1e6 * table["h0_m"], "hv (µm)": 1e6 * table["hv_m"]}
     columns |= _position_texts(table) | {"F (N)": table["force_n"]}
     return {
         "plan": plan,
         "simulations": str(len(table)),
-        **{name: _column_range(values) for name, values in columns.items()},
-        "largest relative error of F, estimated": rounded_up(largest_simulation_error(table)),
+        **{name: _column_range_text(values) for name, values in columns.items()},
+        "largest relative error of F, estimated": rounded_up_text(
+            max_simulation_error_fraction(table)
+        ),
     }
 
 
-def _validation_errors(results: Results, pair: str) -> dict[str, str]:
+def _validation_error_row(results: Results, pair: str) -> dict[str, str]:
     fit, _, plan = pair.partition("_on_")
     errors = results.validation(fit, plan)
     inside, band = 100 * errors["fraction_within_band"], 100 * errors["band"]
@@ -209,13 +213,15 @@ def _validation_errors(results: Results, pair: str) -> dict[str, str]:
     return {
         "model fitted on": f"{fit} ({results.fit(fit).points} points)",
         "validated on": f"{plan} ({errors['points']:g} points)",
-        "global error": percent(errors["global_error"]),
-        "worst": f"{percent(errors['worst_relative_error'])} (h0 {h0_um:.3g}, hv {hv_um:.3g} µm)",
+        "global error": percent_text(errors["global_error"]),
+        "worst": (
+            f"{percent_text(errors['worst_relative_error'])} (h0 {h0_um:.3g}, hv {hv_um:.3g} µm)"
+        ),
         "within the band": f"{inside:.3g} % within ±{band:g} %",
     }
 
 
-def _recommended_model_errors(results: Results) -> Iterator[dict[str, str]]:
+def _recommended_model_rows(results: Results) -> Iterator[dict[str, str]]:
     """Yield the errors of the recommended models, none of which the paper's study has."""
     if results.config.paper:
         return
@@ -224,13 +230,13 @@ def _recommended_model_errors(results: Results) -> Iterator[dict[str, str]]:
         yield {
             "model fitted on": f"recommended: {best['model']} on {best['space']}",
             "validated on": f"validation sample ({best['validation_points']:g} points)",
-            "global error": percent(best["validation_error"]),
-            "worst": f"{percent(best['worst_error'])} ({best['simulations']:g} points)",
+            "global error": percent_text(best["validation_error"]),
+            "worst": f"{percent_text(best['worst_error'])} ({best['simulations']:g} points)",
             "within the band": "–",
         }
 
 
-def _column_range(column: pd.Series) -> str:
+def _column_range_text(column: pd.Series) -> str:
     """Range from the least to the largest; values that are negligible beside the largest are 0."""
     low, high = float(column.min()), float(column.max())
     low = 0.0 if abs(low) < NEGLIGIBLE_FRACTION * abs(high) else low

@@ -22,7 +22,7 @@ from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
-from squeezefilm.reynolds.plan import plan_of
+from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.terms import TERM_CLASSES
 from squeezefilm.solution import Solutions
 from squeezefilm_workflow.verification.numpy_periodic import periodic_mean_force
@@ -33,26 +33,26 @@ COMMON_GRIDS = (
     Grid(nx=28, ny=28, nt=16, fold_x=False, fold_y=False),
     Grid(nx=32, ny=32, nt=20, fold_x=False, fold_y=False),
 )
-NOTHING_DISABLED = "nothing"
+NOTHING_DISABLED_LABEL = "nothing"
 # What puts a term back, by its name: numbers of the scene's pad, gap or gas.
-NEGLIGIBLE_TERM_FRACTION = 1e-14
-NEGLIGIBLE_TERM_KEYS: dict[str, dict[str, Any]] = {
-    "any_gap": {"crown_m": NEGLIGIBLE_TERM_FRACTION * 1e-6},
-    "bearing": {"speed_x_m_per_s": NEGLIGIBLE_TERM_FRACTION},
+TERM_ENABLING_FRACTION = 1e-14
+TERM_ENABLING_CHANGES: dict[str, dict[str, Any]] = {
+    "any_gap": {"crown_m": TERM_ENABLING_FRACTION * 1e-6},
+    "bearing": {"speed_x_m_per_s": TERM_ENABLING_FRACTION},
     "rarefaction": {
         "rarefaction": "fukui-kaneko",
-        "mean_free_path_m": NEGLIGIBLE_TERM_FRACTION * 1e-6,
+        "mean_free_path_m": TERM_ENABLING_FRACTION * 1e-6,
     },
-    "polytropic": {"polytropic_exponent": 1 + NEGLIGIBLE_TERM_FRACTION},
-    "inertia": {"inertia": "included", "density_kg_per_m3": NEGLIGIBLE_TERM_FRACTION},
-    "thermal": {"thermal": "included", "prandtl": NEGLIGIBLE_TERM_FRACTION},
+    "polytropic": {"polytropic_exponent": 1 + TERM_ENABLING_FRACTION},
+    "inertia": {"inertia": "included", "density_kg_per_m3": TERM_ENABLING_FRACTION},
+    "thermal": {"thermal": "included", "prandtl": TERM_ENABLING_FRACTION},
 }
 REFERENCE_TOLERANCE = 1e-9
 # Share of a tolerance that Newton's iteration may leave on one grid for all.
 ITERATION_ERROR_FRACTION = 0.2
 
 
-def ablation(
+def ablation_table(
     scenes: Sequence[Scene], *, tolerances: Sequence[float], repeats: int, device: Device
 ) -> pd.DataFrame:
     """Table with a row for each tolerance and each simplification that is disabled.
@@ -63,15 +63,15 @@ def ablation(
     """
     periodic = partial(solve, method="periodic", device=device)
     one_grid = partial(_solve_on_common_grids, device=device)
-    with_all = _with_changed_numbers(scenes, dict(ChainMap(*NEGLIGIBLE_TERM_KEYS.values())))
+    with_all = _scenes_with_changes(scenes, dict(ChainMap(*TERM_ENABLING_CHANGES.values())))
     ways: dict[str, tuple[Callable[..., StatedForces | Solutions], Sequence[Scene]]] = {
-        NOTHING_DISABLED: (partial(solve, device=device), scenes),
+        NOTHING_DISABLED_LABEL: (partial(solve, device=device), scenes),
         "time (always periodic)": (periodic, scenes),
         "symmetry": (partial(_solve_on_whole_pads, device=device), scenes),
         **{
             kind.ABSENT_TERM.name: (
                 periodic,
-                _with_changed_numbers(scenes, NEGLIGIBLE_TERM_KEYS[kind.NAME]),
+                _scenes_with_changes(scenes, TERM_ENABLING_CHANGES[kind.NAME]),
             )
             for kind in TERM_CLASSES
             if kind.ABSENT_TERM
@@ -95,22 +95,23 @@ def ablation(
         }
         rows.append(row)
     table = pd.DataFrame(rows)
-    needed = table[table["re_enabled"] == NOTHING_DISABLED].set_index("tolerance")["cpu_s"]
+    needed = table[table["re_enabled"] == NOTHING_DISABLED_LABEL].set_index("tolerance")["cpu_s"]
     ratio = table["cpu_s"] / table["tolerance"].map(needed)
     return table.assign(cpu_ratio=ratio, scenes=len(scenes))
 
 
-def _with_changed_numbers(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
+def _scenes_with_changes(scenes: Sequence[Scene], changes: dict[str, Any]) -> list[Scene]:
     """Return the scenes with changed numbers of pad, gap or gas."""
 
-    def with_changed_part(whole: Any) -> Any:
+    def with_changed_attributes(whole: Any) -> Any:
         return replace(whole, **{name: changes[name] for name in changes if hasattr(whole, name)})
 
     pads = [
-        replace(with_changed_part(each.pad), gap=with_changed_part(each.pad.gap)) for each in scenes
+        replace(with_changed_attributes(each.pad), gap=with_changed_attributes(each.pad.gap))
+        for each in scenes
     ]
     pairs = zip(scenes, pads, strict=True)
-    return [replace(scene, pad=pad, gas=with_changed_part(scene.gas)) for scene, pad in pairs]
+    return [replace(scene, pad=pad, gas=with_changed_attributes(scene.gas)) for scene, pad in pairs]
 
 
 class StatedForces(NamedTuple):
@@ -122,8 +123,8 @@ class StatedForces(NamedTuple):
 
 def _solve_on_whole_pads(scenes: Sequence[Scene], *, tolerance: float, device: Device) -> Solutions:
     whole = np.zeros(len(scenes), dtype=bool)
-    plan = replace(plan_of(scenes), fold_x=whole, fold_y=whole)
-    solutions = Solutions.of_method("periodic", len(plan.scenes))
+    plan = replace(solve_plan_of(scenes), fold_x=whole, fold_y=whole)
+    solutions = Solutions.unsolved_of_method("periodic", len(plan.scenes))
     solve_periodic(plan, solutions, tolerance=tolerance, device=device)
     return solutions
 

@@ -23,8 +23,8 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds.terms.rarefaction import FLOW_TABLE
-from squeezefilm_workflow.verification.marching import FloatArray, film_symmetry
+from squeezefilm.reynolds.terms.rarefaction import FLOW_TABLE_PATH
+from squeezefilm_workflow.verification.marching import FloatArray, film_symmetry_in_x_and_y
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
 COMPLEX_STEP, MAX_NEWTON_STEPS, CONVERGED_PRESSURE_CHANGE = 1e-30, 40, 1e-9
@@ -33,7 +33,7 @@ MAX_KRYLOV_ITERATIONS, KRYLOV_TOLERANCE = 300, 1e-3
 MAX_PRESSURE_STEP = 0.4
 # Twice the points along a disc's radius; points across another film that is even about no axis,
 # one or two; instants in a period (odd).
-RADIAL_POINT_COUNT, POINT_COUNTS, INSTANT_COUNT = 64, (24, 28, 36), 21
+DIAMETER_POINT_COUNT, POINT_COUNTS, INSTANT_COUNT = 64, (24, 28, 36), 21
 # Share of the points on the coarser grid, that of the error estimate.
 COARSER_GRID_RATIO = 0.8
 # Velocity at the edge, over ε/√σ, within which gas neither comes in nor goes out.
@@ -50,7 +50,7 @@ class Points:
         gradient, divergence: a matrix for each component of a vector.
         slopes: of each component of a velocity the derivatives along all axes.
         normal: outward at the edge, 0 inside, (components, points).
-        is_corner: where two sides meet.
+        corner_mask: where two sides meet.
     """
 
     x: FloatArray
@@ -60,10 +60,10 @@ class Points:
     divergence: tuple[FloatArray, ...]
     slopes: tuple[tuple[FloatArray, ...], ...]
     normal: FloatArray
-    is_corner: np.ndarray
+    corner_mask: np.ndarray
 
     @property
-    def on_edge_mask(self) -> np.ndarray:
+    def edge_mask(self) -> np.ndarray:
         return np.any(self.normal != 0, axis=0)
 
 
@@ -74,9 +74,11 @@ def points_of_scene(scene: Scene, count: int) -> Points:
         count: even, points across the pad, or twice those along a radius.
     """
     if is_axisymmetric(scene):
-        return _chebyshev_radius(count)
+        return _disc_radius_points(count)
     of_shape = {"rectangle": _rectangle_points, "ellipse": _ellipse_points}[scene.pad.shape]
-    return _folded_by_symmetry(of_shape(scene.aspect, count), *film_symmetry(scene))
+    return _points_folded_by_symmetry(
+        of_shape(scene.aspect, count), *film_symmetry_in_x_and_y(scene)
+    )
 
 
 def is_axisymmetric(scene: Scene) -> bool:
@@ -89,22 +91,22 @@ def is_axisymmetric(scene: Scene) -> bool:
     return bool(np.ptp(gap, axis=1).max() < 1e-12)
 
 
-def _chebyshev_line(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _chebyshev_line_rule(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points from −1/2 to 1/2, the matrix of the derivative, and weights."""
     grid = chebyshev_grid(count - 2)
     return grid.x - 0.5, grid.first, grid.weights
 
 
-def _chebyshev_radius(count: int) -> Points:
-    x, first, _ = _chebyshev_line(count)
+def _disc_radius_points(count: int) -> Points:
+    x, first, _ = _chebyshev_line_rule(count)
     half = count // 2
     same, other = first[half:, half:], first[half:, half - 1 :: -1]
     r, even, odd = x[half:], same + other, same - other
     on_edge = (np.arange(half) == half - 1).astype(float)
     # r is no polynomial over a whole diameter: its mean is taken at points along a radius.
-    along, _, weights = _chebyshev_line(2 * count)
+    along, _, weights = _chebyshev_line_rule(2 * count)
     finer = (along + 0.5) / 2
-    over_disc = (4 * finer * weights) @ _chebyshev_interpolation(x, finer)
+    over_disc = (4 * finer * weights) @ _interpolation_matrix(x, finer)
     return Points(
         r + 0.5,
         np.full(half, 0.5),
@@ -117,18 +119,20 @@ def _chebyshev_radius(count: int) -> Points:
     )
 
 
-def _chebyshev_interpolation(nodes: FloatArray, points: FloatArray) -> FloatArray:
+def _interpolation_matrix(nodes: FloatArray, points: FloatArray) -> FloatArray:
     """Matrix from values at Chebyshev points to values elsewhere."""
     degree = np.arange(len(nodes))
 
-    def polynomials(x: FloatArray) -> FloatArray:
+    def chebyshev_polynomials(x: FloatArray) -> FloatArray:
         return np.cos(degree * np.arccos(np.clip(2 * x[:, None], -1, 1)))
 
-    return np.asarray(np.linalg.solve(polynomials(nodes).T, polynomials(points).T).T)
+    return np.asarray(
+        np.linalg.solve(chebyshev_polynomials(nodes).T, chebyshev_polynomials(points).T).T
+    )
 
 
 def _rectangle_points(aspect: float, count: int) -> Points:
-    x, first, weights = _chebyshev_line(count)
+    x, first, weights = _chebyshev_line_rule(count)
     one = np.eye(count)
     along: tuple[FloatArray, ...] = (
         np.asarray(np.kron(first, one)),
@@ -145,7 +149,7 @@ def _rectangle_points(aspect: float, count: int) -> Points:
 
 def _ellipse_points(aspect: float, count: int) -> Points:
     """Points on half of as many radii as instants of a turn, through the centre."""
-    x, first, _ = _chebyshev_line(count)
+    x, first, _ = _chebyshev_line_rule(count)
     half, turns = count // 2, 4 * (count // 4)
     r = np.repeat(x[half:], turns)
     angle = np.tile(2 * pi * (np.arange(turns) + 0.5) / turns, half)
@@ -158,7 +162,7 @@ def _ellipse_points(aspect: float, count: int) -> Points:
         np.asarray(cosine * outwards - sine * around),
         np.asarray((sine * outwards + cosine * around) / aspect),
     )
-    radial = _chebyshev_radius(count).weights
+    radial = _disc_radius_points(count).weights
     normal = np.stack([np.cos(angle), np.sin(angle) / aspect]) * (r == 0.5)
     normal /= np.maximum(np.hypot(*normal), 1e-300)
     on_x, on_y = 0.5 + r * np.cos(angle), 0.5 + r * np.sin(angle)
@@ -167,7 +171,7 @@ def _ellipse_points(aspect: float, count: int) -> Points:
     return Points(on_x, on_y, weights, along, along, (along, along), normal, corner)
 
 
-def _folded_by_symmetry(points: Points, even_x: bool, even_y: bool) -> Points:
+def _points_folded_by_symmetry(points: Points, even_x: bool, even_y: bool) -> Points:
     """Return the points of one half along each axis about which a film is even."""
     from_centre, even = np.stack([points.x, points.y]) - 0.5, np.array([[even_x], [even_y]])
     kept = np.flatnonzero(np.all(~even | (from_centre > 0), axis=0))
@@ -182,7 +186,7 @@ def _folded_by_symmetry(points: Points, even_x: bool, even_y: bool) -> Points:
         tuple(along[kept] @ values for along in axes),
         tuple(along[kept] @ of for along, of in zip(axes, odd, strict=True)),
         tuple(tuple(along[kept] @ of for along in axes) for of in odd),
-        *(points.normal[:, kept], points.is_corner[kept]),
+        *(points.normal[:, kept], points.corner_mask[kept]),
     )
 
 
@@ -196,13 +200,13 @@ def _time_derivative_matrix(instants: int) -> FloatArray:
 
 
 @cache
-def _rarefied_flow_function() -> CubicSpline:
+def _rarefied_excess_flow() -> CubicSpline:
     """Return what rarefaction adds to the flow Q, D/6 of a viscous gas, by ln D."""
-    inverse, flow = np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1, unpack=True)
+    inverse, flow = np.loadtxt(FLOW_TABLE_PATH, delimiter=",", skiprows=1, unpack=True)
     return CubicSpline(np.log(inverse), flow - inverse / 6)
 
 
-def _apply_along_points(matrix: FloatArray, field: np.ndarray) -> np.ndarray:
+def _matrix_times_field(matrix: FloatArray, field: np.ndarray) -> np.ndarray:
     """Return a real matrix times a real or complex field."""
     if not np.iscomplexobj(field):
         return matrix @ field
@@ -217,13 +221,13 @@ class Effects:
     Attributes:
         slip: none, that of first order by the gas' own coefficient, or by the flow factor, a
             table of the linearised Boltzmann equation (rarefied_flow.py).
-        edge_coefficient: C of the loss at the edge where gas comes in; 0 without.
+        edge_loss_coefficient: C of the loss at the edge where gas comes in; 0 without.
     """
 
     inertia: bool = True
     thermal: bool = True
     slip: Literal["none", "first-order", "flow-factor"] = "flow-factor"
-    edge_coefficient: float = 0.0
+    edge_loss_coefficient: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -236,19 +240,19 @@ class FilmOnPoints:
     scene: Scene
     effects: Effects
     points: Points
-    instants: int
+    instant_count: int
 
     @cached_property
     def gap(self) -> FloatArray:
-        phase = 2 * pi * np.arange(self.instants) / self.instants
+        phase = 2 * pi * np.arange(self.instant_count) / self.instant_count
         return self.scene.gap(self.points.x, self.points.y, phase)
 
     @cached_property
-    def in_time(self) -> FloatArray:
-        return _time_derivative_matrix(self.instants)
+    def time_derivative_matrix(self) -> FloatArray:
+        return _time_derivative_matrix(self.instant_count)
 
     @cached_property
-    def numbers(self) -> dict[str, float]:
+    def equation_numbers(self) -> dict[str, float]:
         scene, gas, effects = self.scene, self.scene.gas, self.effects
         reynolds, ratio = scene.modified_reynolds, gas.heat_capacity_ratio
         conduction = gas.prandtl * reynolds * effects.thermal
@@ -262,7 +266,7 @@ class FilmOnPoints:
             / ((ratio + 1) * gas.prandtl)
             * scene.knudsen
             * (effects.slip != "none"),
-            "loss": effects.edge_coefficient * reynolds * scene.sigma / 24,
+            "loss": effects.edge_loss_coefficient * reynolds * scene.sigma / 24,
             "reversing": FLOW_REVERSAL_VELOCITY
             * max(scene.epsilon, 1e-9)
             / sqrt(max(scene.sigma, 16.0)),
@@ -275,46 +279,51 @@ class FilmOnPoints:
             length = self.scene.gas.slip_coefficient * knudsen if slip == "first-order" else 0.0
             return np.full(mass.shape, length)
         inverse = self.scene.inverse_knudsen
-        flow, logarithm = _rarefied_flow_function(), np.log(inverse * mass.real)
+        flow, logarithm = _rarefied_excess_flow(), np.log(inverse * mass.real)
         length = flow(logarithm)
         if np.iscomplexobj(mass):  # a complex step
             length = length + 1j * flow(logarithm, 1) * mass.imag / mass.real
         return np.asarray(length / inverse)
 
-    def rate(self, field: np.ndarray) -> np.ndarray:
+    def time_derivative(self, field: np.ndarray) -> np.ndarray:
         if np.iscomplexobj(field):
-            return np.asarray(field.real @ self.in_time + 1j * (field.imag @ self.in_time))
-        return np.asarray(field @ self.in_time)
+            return np.asarray(
+                field.real @ self.time_derivative_matrix
+                + 1j * (field.imag @ self.time_derivative_matrix)
+            )
+        return np.asarray(field @ self.time_derivative_matrix)
 
     def residual(self, state: np.ndarray) -> np.ndarray:
         """Return the residuals of mass, momentum and energy, of the shape of the state."""
-        at, n, gap, sigma = self.points, self.numbers, self.gap, self.scene.sigma
+        at, n, gap, sigma = self.points, self.equation_numbers, self.gap, self.scene.sigma
         excess, velocity, warm = state[0], state[1:-1], state[-1]
-        pressure, excess_rate = 1 + excess, self.rate(excess)
-        filling = self.rate(gap) / gap + excess_rate / pressure
+        pressure, excess_rate = 1 + excess, self.time_derivative(excess)
+        filling = self.time_derivative(gap) / gap + excess_rate / pressure
         slip = self.slip_length(pressure * gap)
         mobility = gap * (gap + 6 * slip / pressure) / sigma
         lag = n["lag"] * gap * (pressure * gap + 4 * n["slip"])
-        rates = np.stack([self.rate(u) for u in velocity])
+        rates = np.stack([self.time_derivative(u) for u in velocity])
         momentum = velocity.copy()
         for i, u in enumerate(velocity):
             carried = sum(
-                v * _apply_along_points(slope, u)
+                v * _matrix_times_field(slope, u)
                 for v, slope in zip(velocity, at.slopes[i], strict=True)
             )
             momentum[i] += lag * (rates[i] + 9 / 7 * carried - u * filling / 7)
-            momentum[i] += mobility * _apply_along_points(at.gradient[i], excess)
-        energy = warm + n["thermal_lag"] * gap * (pressure * gap + 4 * n["jump"]) * self.rate(warm)
+            momentum[i] += mobility * _matrix_times_field(at.gradient[i], excess)
+        energy = warm + n["thermal_lag"] * gap * (
+            pressure * gap + 4 * n["jump"]
+        ) * self.time_derivative(warm)
         energy -= n["heating"] / 12 * gap * (gap + 6 * n["jump"] / pressure) * excess_rate
         cool = n["heating"] * sigma / 20 * np.sum(velocity**2, axis=0)
         hot, exponent = warm - cool, self.scene.gas.viscosity_exponent
         slower = 6 / 5 * warm - 9 / 14 * cool + exponent * (3 / 5 * warm - 3 / 7 * cool)
-        mass = self.rate(pressure * gap * (1 - hot))
+        mass = self.time_derivative(pressure * gap * (1 - hot))
         for i, u in enumerate(velocity):
-            beside = lag * (9 / 7 * hot * rates[i] + u * self.rate(hot) / 7) - u * slower
+            beside = lag * (9 / 7 * hot * rates[i] + u * self.time_derivative(hot) / 7) - u * slower
             sliding = self.scene.bearing_number / sigma if i == 0 else 0.0
             flow = pressure * gap * (u + beside + sliding)
-            mass = mass + _apply_along_points(at.divergence[i], flow)
+            mass = mass + _matrix_times_field(at.divergence[i], flow)
         self._set_edge_conditions(excess, velocity, mass, momentum)
         return np.concatenate([mass[None], momentum, energy[None]])
 
@@ -322,14 +331,14 @@ class FilmOnPoints:
         self, excess: np.ndarray, velocity: np.ndarray, mass: np.ndarray, momentum: np.ndarray
     ) -> None:
         """Put the conditions at the edge into the residuals of mass and momentum."""
-        edge_rows, corner = self.points.on_edge_mask, self.points.is_corner
+        edge_rows, corner = self.points.edge_mask, self.points.corner_mask
         normal = self.points.normal[:, edge_rows, None]
         out = np.sum(normal * velocity[:, edge_rows], axis=0)
         inflow = np.where(out.real < 0, out, 0.0)
         inflow[corner[edge_rows]] = 0.0
-        mass[edge_rows] = excess[edge_rows] + self.numbers["loss"] * inflow**2
+        mass[edge_rows] = excess[edge_rows] + self.equation_numbers["loss"] * inflow**2
         if len(velocity) > 1:
-            outflow_ratio = out / self.numbers["reversing"]
+            outflow_ratio = out / self.equation_numbers["reversing"]
             leaves = (1 + outflow_ratio / np.sqrt(1 + outflow_ratio**2)) / 2
             across = np.sum(normal * momentum[:, edge_rows], axis=0) * normal
             along = momentum[:, edge_rows] - across
@@ -344,7 +353,7 @@ class FilmOnPoints:
             ArithmeticError: if Newton's method does not converge.
         """
         if state is None:
-            shape = 2 + len(self.points.gradient), len(self.points.x), self.instants
+            shape = 2 + len(self.points.gradient), len(self.points.x), self.instant_count
             state = np.zeros(shape)
         precondition = self._preconditioner(state)
         for _ in range(MAX_NEWTON_STEPS):
@@ -377,12 +386,12 @@ class FilmOnPoints:
 
     def _preconditioner(self, state: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """Return the inverse of the equations with coefficients averaged over the period."""
-        at, n, gap, sigma = self.points, self.numbers, self.gap, self.scene.sigma
-        pressure, edge_rows = 1 + state[0], at.on_edge_mask
+        at, n, gap, sigma = self.points, self.equation_numbers, self.gap, self.scene.sigma
+        pressure, edge_rows = 1 + state[0], at.edge_mask
         mobility = gap * (gap + 6 * n["slip"] / pressure) / sigma
         flow = np.mean(pressure * mobility, axis=-1)
         lag = np.mean(n["lag"] * gap * (pressure * gap + 4 * n["slip"]), axis=-1)
-        order = 1j * np.arange(self.instants // 2 + 1)
+        order = 1j * np.arange(self.instant_count // 2 + 1)
         inert = 1 + np.outer(lag, order)
         still = 1 + n["thermal_lag"] * order
         moved = sum(
@@ -397,29 +406,31 @@ class FilmOnPoints:
             systems.append(lu_factor(system))
 
         def multiply_harmonics(field: FloatArray, factor: np.ndarray) -> FloatArray:
-            return np.asarray(np.fft.irfft(factor * np.fft.rfft(field), n=self.instants))
+            return np.asarray(np.fft.irfft(factor * np.fft.rfft(field), n=self.instant_count))
 
-        def apply_inverse(residual: FloatArray) -> FloatArray:
+        def apply_preconditioner(residual: FloatArray) -> FloatArray:
             velocity = [multiply_harmonics(component, 1 / inert) for component in residual[1:-1]]
-            mass = residual[0] + self.rate(multiply_harmonics(residual[-1], 1 / still))
+            mass = residual[0] + self.time_derivative(multiply_harmonics(residual[-1], 1 / still))
             for u, div in zip(velocity, at.divergence, strict=True):
                 mass = mass - div @ (pressure * gap * u)
             mass[edge_rows] = residual[0][edge_rows] * gap[edge_rows]
             waves = np.fft.rfft(mass)
             columns = [lu_solve(lu, waves[:, k]) for k, lu in enumerate(systems)]
-            rise = np.fft.irfft(np.stack(columns, axis=-1), n=self.instants) / gap
+            rise = np.fft.irfft(np.stack(columns, axis=-1), n=self.instant_count) / gap
             for i, grad in enumerate(at.gradient):
                 velocity[i] = velocity[i] - multiply_harmonics(mobility * (grad @ rise), 1 / inert)
-            heat = residual[-1] + n["heating"] / 12 * gap**2 * self.rate(rise)
+            heat = residual[-1] + n["heating"] / 12 * gap**2 * self.time_derivative(rise)
             return np.stack([rise, *velocity, multiply_harmonics(heat, 1 / still)])
 
-        return apply_inverse
+        return apply_preconditioner
 
 
 def grid_sizes_of_scene(scene: Scene) -> list[tuple[int, int]]:
     """Return points and instants of the grid for a scene and of a coarser one."""
     points = (
-        RADIAL_POINT_COUNT if is_axisymmetric(scene) else POINT_COUNTS[sum(film_symmetry(scene))]
+        DIAMETER_POINT_COUNT
+        if is_axisymmetric(scene)
+        else POINT_COUNTS[sum(film_symmetry_in_x_and_y(scene))]
     )
     return [
         (points, INSTANT_COUNT),

@@ -20,11 +20,15 @@ from scipy.integrate import solve_ivp
 
 from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm_workflow.verification.marching import FloatArray, film_symmetry, march_to_periodic
+from squeezefilm_workflow.verification.marching import (
+    FloatArray,
+    film_symmetry_in_x_and_y,
+    march_to_periodic_force,
+)
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
 
-def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> float:
+def periodic_mean_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> float:
     """Mean force in p0 l0^2 of the period that repeats itself to rtol / 100.
 
     points: inner points along each half side, folded or not; rtol: Radau's
@@ -33,7 +37,7 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
     Raises RunError when Radau gives up.
     """
     epsilon, sigma = scene.epsilon, scene.sigma
-    x_side, y_side = (_SquareSide(points, folded) for folded in film_symmetry(scene))
+    x_side, y_side = (_SquareSide(points, folded) for folded in film_symmetry_in_x_and_y(scene))
     s_edge = scene.amplitude(*np.meshgrid(x_side.grid.x, y_side.grid.x, indexing="ij"))
     x_matrix, y_matrix = x_side.grid.first, y_side.grid.first
     slope = (x_matrix @ s_edge) ** 2 + (s_edge @ y_matrix.T) ** 2
@@ -44,13 +48,13 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
     plane = (x_side.kept.size, y_side.kept.size)
     laplacian = np.kron(x_side.second, np.eye(plane[1])) + np.kron(np.eye(plane[0]), y_side.second)
 
-    def gap_and_its_rate(t: float) -> tuple[FloatArray, FloatArray]:
+    def gap_and_curvature_term(t: float) -> tuple[FloatArray, FloatArray]:
         wave = epsilon * math.sin(t)
         gap = 1 + wave * s
         return gap, 1.5 * wave * bend / gap + 0.75 * wave**2 * slope / gap**2
 
-    def rate(t: float, state: FloatArray) -> FloatArray:
-        gap, c = gap_and_its_rate(t)
+    def state_rate(t: float, state: FloatArray) -> FloatArray:
+        gap, c = gap_and_curvature_term(t)
         pressure = state[:-1] / gap
         scale = gap**1.5
         v = scale * (pressure**2 - 1) / 2
@@ -58,8 +62,8 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
         lap = (x_side.second @ v_plane + v_plane @ y_side.second.T).ravel()
         return np.append(scale * (lap - c * v) / sigma, area @ (pressure - 1))
 
-    def jacobian(t: float, state: FloatArray) -> FloatArray:
-        gap, c = gap_and_its_rate(t)
+    def rate_jacobian(t: float, state: FloatArray) -> FloatArray:
+        gap, c = gap_and_curvature_term(t)
         scale = gap**1.5
         to_v = state[:-1] / np.sqrt(gap)
         matrix = np.zeros((state.size, state.size))
@@ -70,12 +74,12 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
 
     def march_one_period(mass: FloatArray) -> tuple[FloatArray, float]:
         march = solve_ivp(
-            rate,
+            state_rate,
             (0, 2 * math.pi),
             np.append(mass, 0.0),
             method="Radau",
             t_eval=[2 * math.pi],
-            jac=jacobian,
+            jac=rate_jacobian,
             rtol=rtol,
             atol=rtol / 10,
         )
@@ -85,7 +89,7 @@ def periodic_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -> flo
         return march.y[:-1, -1], float(march.y[-1, -1]) / (2 * math.pi)
 
     start, within = np.ones(s.size), rtol / 100
-    return march_to_periodic(
+    return march_to_periodic_force(
         march_one_period, start, tolerance=within, periods=30, anderson_depth=10
     )
 

@@ -21,27 +21,27 @@ from scipy.stats import betabinom
 from squeezefilm.api.forces import Force, solve_forces
 from squeezefilm.api.models import Study
 from squeezefilm.dynamics.levitation import levitate
-from squeezefilm.dynamics.response import response
+from squeezefilm.dynamics.response import force_response
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.models.prediction_interval import NORMAL_QUANTILES, PROFILE_UNCERTAINTY_LEVEL
 from squeezefilm.quantities.model_error import ErrorBudget
 from squeezefilm.reynolds import solve
-from squeezefilm.studies.space import space_of, table_of_points
+from squeezefilm.studies.space import space_of_study, table_of_points
 from squeezefilm_workflow.verification.reference import reference_force
 
 # Tolerances of direct solutions; the second with inertia or thermal effects, and under ellipses.
 DIRECT_SOLVE_TOLERANCE, DIRECT_TOLERANCE_WITH_EFFECTS = 1e-7, 1e-5
 # What the flow factor adds to first-order slip, relative to the flow, for each unit of Kn.
-FLOW_FACTOR_PER_KNUDSEN = 1.5
+FLOW_CHANGE_PER_KNUDSEN = 1.5
 # Of films that the spectral elements resolve in seconds.
 MAX_REFERENCE_EPSILON, REFERENCE_SIGMA_RANGE = 0.6, (1.0, 2e4)
 # Relative distance of the forces in difference quotients of fourth order.
-DIFFERENCE_STEP = 0.004
+RELATIVE_DIFFERENCE_STEP = 0.004
 # Gaps beyond one that levitates, at which the force must stay below the load.
 MAX_GAP_RATIO, WIDER_GAP_COUNT = 4.0, 12
 # Points outside the declared space, which no prediction interval may claim.
-POINTS_OUTSIDE_SPACE = 20
+OUTSIDE_POINT_COUNT = 20
 # Of the fresh points of the study of seed 0.
 FRESH_POINTS_SEED = 10_000
 COMPARISON_OUTCOMES = (
@@ -52,7 +52,7 @@ COMPARISON_OUTCOMES = (
 )
 
 
-def _numbers_over_limits(scene: Scene) -> dict[str, float]:
+def _ratios_to_validity_limits(scene: Scene) -> dict[str, float]:
     """Numbers of a scene over values beyond which a force is not to be given without reserve.
 
     Flow around the edge is of the order of the gap over the pad; gas neither slips nor flows as a
@@ -118,14 +118,14 @@ def compare_study(study: Study, *, points: int, seed: int) -> Iterator[Compariso
         seed: of their draw.
     """
     settings = study.solver(outputs=())
-    space = space_of(study.config, centred=False)
+    space = space_of_study(study.config, centred=False)
     scenes = study.scenes(table_of_points(space.independent_sample(points, seed=seed), space))
     forces = solve_forces(scenes, settings=settings, smoothed=None, budget=True)
     for force in forces:
         yield from _compare_force(force, study, valid=force.status == force.validity == "ok")
     for scene, force in zip(scenes, forces, strict=True):
         if force.status == "ok" and force.force_n > 0:
-            yield from _compare_with_elements(force.scene, study)
+            yield from _compare_spectral_elements(force.scene, study)
             yield from _compare_levitation(scene, force.force_n, study)
             yield from _compare_response(force.scene, study)
             break
@@ -143,11 +143,11 @@ def forces_and_errors(
 ) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
     settings = study.solver(tolerance=tolerance, outputs=())
-    solutions = solve(settings.with_terms_decided(scenes), **settings.solve_arguments)
+    solutions = solve(settings.with_auto_terms_decided(scenes), **settings.solve_arguments)
     return np.array([solutions.force_n, solutions.force_error_n])
 
 
-def _direct_forces(scenes: Sequence[Scene], study: Study) -> np.ndarray:
+def _direct_forces_and_errors(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     """Forces and errors by direct solutions with a tolerance far below the stated errors."""
     gas = scenes[0].gas
     plain = gas.inertia == gas.thermal == "none" and scenes[0].pad.shape == "rectangle"
@@ -159,58 +159,70 @@ def _direct_forces(scenes: Sequence[Scene], study: Study) -> np.ndarray:
     return forces
 
 
-def _direct_derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
+def _direct_force_and_derivative(scene: Scene, name: str, study: Study) -> np.ndarray:
     """The direct force, its error, its derivative to a number of the scene, and that one's error.
 
     By five values, of fourth order.
     """
     unit = getattr(scene, name)
-    around: list[dict[str, Any]] = [{name: unit * (1 + DIFFERENCE_STEP * k)} for k in range(-2, 3)]
-    values, errors = _direct_forces([replace(scene, **change) for change in around], study)
+    around: list[dict[str, Any]] = [
+        {name: unit * (1 + RELATIVE_DIFFERENCE_STEP * k)} for k in range(-2, 3)
+    ]
+    values, errors = _direct_forces_and_errors(
+        [replace(scene, **change) for change in around], study
+    )
     narrow, wide = (values[3] - values[1]) / 2, (values[4] - values[0]) / 4
     noise = (8 * (errors[1] + errors[3]) + errors[0] + errors[4]) / 12
-    slope, off = (4 * narrow - wide) / 3, noise + (4 * DIFFERENCE_STEP) ** 2 * abs(wide - narrow)
+    slope, off = (
+        (4 * narrow - wide) / 3,
+        noise + (4 * RELATIVE_DIFFERENCE_STEP) ** 2 * abs(wide - narrow),
+    )
     return np.array(
-        [values[2], errors[2], slope / (DIFFERENCE_STEP * unit), off / (DIFFERENCE_STEP * unit)]
+        [
+            values[2],
+            errors[2],
+            slope / (RELATIVE_DIFFERENCE_STEP * unit),
+            off / (RELATIVE_DIFFERENCE_STEP * unit),
+        ]
     )
 
 
 def _compare_force(force: Force, study: Study, *, valid: bool) -> Iterator[Comparison]:
     """The force and its numerical error, then what the equation neglects."""
     scene, stated = force.scene, force.force_n
-    worst, number = max(_numbers_over_limits(scene).items(), key=itemgetter(1))
+    worst, number = max(_ratios_to_validity_limits(scene).items(), key=itemgetter(1))
     simulate = partial(Comparison, "simulate", note=_scene_text(scene))
     what, note = "numbers over limits of validity", f"{worst}; {_scene_text(scene)}"
     yield simulate(what, -inf, 1.0, number, valid=valid, note=note)
     if not isfinite(stated):
         return
-    ((direct,), (error,)) = _direct_forces([scene], study)
+    ((direct,), (error,)) = _direct_forces_and_errors([scene], study)
     yield simulate("force / N", *_interval_around(stated, force.error_n), direct, error, valid)
     for name, with_them, change, off, usable in _neglected_effects(scene, force.budget):
         if with_them.gas.rarefaction != "none" and with_them.gas.inertia == "included":
             # Inertia is derived for first-order slip: its relative part is taken from there.
-            full, error = _change_with_slip(scene, with_them, stated, study)
+            full, error = _force_change_with_slip(scene, with_them, stated, study)
         else:
-            ((full,), (error,)) = _direct_forces([with_them], study)
+            ((full,), (error,)) = _direct_forces_and_errors([with_them], study)
         ends = _interval_around(change * stated, off * abs(stated) + 2 * force.error_n)
         yield simulate(f"{name} / N", *ends, full - stated, error, valid and usable)
 
 
-def _change_with_slip(
+def _force_change_with_slip(
     scene: Scene, with_them: Scene, stated: float, study: Study
 ) -> tuple[float, float]:
     """Force scaled by the relative change that terms make with first-order slip, and its error."""
     slipping = [each.with_gas(rarefaction="slip") for each in (scene, with_them)]
     ((before,), (error,)), ((after,), (other,)) = (
-        _direct_forces([each], study) for each in slipping
+        _direct_forces_and_errors([each], study) for each in slipping
     )
     part = after / before - 1
-    kinetic = 0.0 if scene.gas.rarefaction == "slip" else FLOW_FACTOR_PER_KNUDSEN * scene.knudsen
+    kinetic = 0.0 if scene.gas.rarefaction == "slip" else FLOW_CHANGE_PER_KNUDSEN * scene.knudsen
     off = abs(stated) * (abs(part) * kinetic + (error + other) / abs(before))
     return float(stated * (1 + part)), float(off)
 
 
-def _compare_with_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
+def _compare_spectral_elements(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The isothermal film without inertia, against spectral elements of other equations."""
     scene = scene.viscous().with_gas(rarefaction="none")
     low, high = REFERENCE_SIGMA_RANGE
@@ -242,14 +254,14 @@ def _neglected_effects(
         ("rarefaction", ("slip", "flow_factor") if slips else (), rarefied),
     ):
         lacking = {
-            effect_name: budget.neglected[effect_name]
+            effect_name: budget.neglected_effects[effect_name]
             for effect_name in effects
-            if effect_name in budget.neglected
+            if effect_name in budget.neglected_effects
         }
         if lacking:
             change = sum(effect.percent for effect in lacking.values()) / 100
             off = sum(effect.error_percent for effect in lacking.values()) / 100
-            known = budget.status == "ok" and not {*budget.unknown} & lacking.keys()
+            known = budget.status == "ok" and not {*budget.unknown_effect_names} & lacking.keys()
             yield name, scene.with_gas(**having), change, off, known
 
 
@@ -263,7 +275,7 @@ def _compare_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[C
         return
     scene, h0_m, stiffness = levitation.scene, levitation.scene.h0_m, levitation.stiffness_n_per_m
     stated = partial(Comparison, "levitate", note=f"load {load_n:.5g} N; {_scene_text(scene)}")
-    direct_n, error_n, slope, slope_error = _direct_derivative(scene, "h0_m", study)
+    direct_n, error_n, slope, slope_error = _direct_force_and_derivative(scene, "h0_m", study)
     gap_m = h0_m - (direct_n - load_n) / slope
     ends = _interval_around(h0_m, levitation.h0_error_m)
     yield stated("gap / m", *ends, gap_m, error_n / abs(slope))
@@ -275,7 +287,7 @@ def _compare_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[C
     yield stated("force at wider gaps / N", -inf, load_n, most)
     for name, with_them, change, off, usable in _neglected_effects(scene, levitation.budget):
         change_m = load_n / stiffness * change
-        off_m = load_n / abs(stiffness) * off + levitation.second_order_m(change_m)
+        off_m = load_n / abs(stiffness) * off + levitation.second_order_error_m(change_m)
         ends = _interval_around(h0_m + change_m, off_m + 2 * levitation.h0_error_m)
         numbers = (
             *ends,
@@ -289,7 +301,7 @@ def _direct_gap_under_load(scene: Scene, load_n: float, study: Study) -> float:
     """The gap near a scene's at which the force is the load; NaN where it is not found."""
 
     def excess_force_n(gap_m: float) -> float:
-        force_n = float(_direct_forces([replace(scene, h0_m=float(gap_m))], study)[0, 0])
+        force_n = float(_direct_forces_and_errors([replace(scene, h0_m=float(gap_m))], study)[0, 0])
         if not isfinite(force_n):
             raise RunError("no force")
         return force_n - load_n
@@ -313,17 +325,17 @@ def _compare_response(scene: Scene, study: Study) -> Iterator[Comparison]:
     """The gain of slow modulation against d ln F / d ln hv of direct forces."""
     scene = scene.viscous()
     try:
-        stated = response(scene)
+        stated = force_response(scene)
     except (InputError, RunError):
         return
-    force_n, error_n, slope, slope_error = _direct_derivative(scene, "hv_m", study)
+    force_n, error_n, slope, slope_error = _direct_force_and_derivative(scene, "hv_m", study)
     gain = slope * scene.hv_m / force_n
     error = abs(gain) * (abs(slope_error / slope) + error_n / abs(force_n))
     ends = _interval_around(stated.static_gain, stated.error * abs(stated.static_gain))
     yield Comparison("response", "static gain", *ends, gain, error, note=_scene_text(scene))
 
 
-def coverage(
+def compare_coverage(
     study: Study, *, models: Sequence[str], fresh: int, seed: int, level_of_test: float
 ) -> Iterator[Comparison]:
     """Compare the number of new points inside the models' prediction intervals with theory.
@@ -337,7 +349,7 @@ def coverage(
 
     @cache
     def simulated_forces(centred: bool) -> tuple[pd.DataFrame, np.ndarray]:
-        space = space_of(study.config, centred=centred)
+        space = space_of_study(study.config, centred=centred)
         points = table_of_points(
             space.independent_sample(fresh, seed=FRESH_POINTS_SEED + seed), space
         )
@@ -346,7 +358,7 @@ def coverage(
     for name in models:
         try:
             fit = study.fit(name)
-            interval, centred = fit.model.interval, fit.model.force_model.is_centred
+            interval, centred = fit.model.prediction_interval, fit.model.force_model.is_centred
             if interval is None or interval.error_95 is None:
                 continue
             points, (force_n, error_n) = simulated_forces(centred)
@@ -354,7 +366,7 @@ def coverage(
         except (InputError, RunError):
             continue  # not a model of this study, or its physics does not hold all over the space
         off = np.abs(stated["force_n"] - force_n) + error_n
-        beyond = points.head(POINTS_OUTSIDE_SPACE).assign(h0_m=1.5 * points["h0_m"].max())
+        beyond = points.head(OUTSIDE_POINT_COUNT).assign(h0_m=1.5 * points["h0_m"].max())
         claimed = float(fit.predict_at(beyond)["error_95_n"].notna().sum())
         what = "points outside the space that have an error"
         yield Comparison("predict", what, 0.0, 0.0, claimed, note=fit.name)

@@ -25,29 +25,29 @@ from squeezefilm.parallel import print_step
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.asymptotics.edge_layer import (
     EXCURSION_COUNT,
-    EXCURSIONS_WITH_INERTIA,
+    EXCURSION_COUNT_WITH_INERTIA,
     MAX_TABLE_EXCURSION,
     MAX_TABLE_REYNOLDS,
     REYNOLDS_NUMBER_COUNT,
-    largest_excursion,
-    weights_with_ends,
+    max_excursion_with_inertia,
+    quadrature_weights_with_ends,
 )
-from squeezefilm.reynolds.spectral import axis, period
+from squeezefilm.reynolds.spectral import cached_axis, cached_time_axis
 
 LAYER_COLUMNS = ("a", "d_over_a_squared", "g_over_a", "q_over_a")
-INERTIA_COLUMNS = (
+INERTIA_LAYER_COLUMNS = (
     *("reynolds", "a", "rise_over_a_squared"),
     *("d_over_a_squared", "g_over_a", "h_over_a_squared"),
 )
 HALF_LINE_LENGTH = 60.0
 # k of the nodes; with inertia waves reach farther, and it is smaller.
-NODE_STRETCH, STRETCH_PER_REYNOLDS = 6.0, 0.2
+NODE_STRETCH, STRETCH_LOSS_PER_REYNOLDS = 6.0, 0.2
 NODE_COUNT, NODE_COUNT_WITH_INERTIA = 112, 88
 # Instants with inertia, from small excursions to the largest.
-INSTANTS_RANGE = 12, 48
+INSTANT_COUNT_RANGE = 12, 48
 MAX_NEWTON_STEPS = 40
 # Share of the shortest waves in time from which on a state is not resolved.
-MAX_UNRESOLVED_FRACTION = 5e-3
+MAX_SHORT_WAVE_FRACTION = 5e-3
 
 
 @command(option("--output", "FOLDER", "for the two tables", required=True, type=Path))
@@ -59,14 +59,15 @@ def edge_layers(options: argparse.Namespace) -> None:
     rows: list[tuple[float, ...]] = []
     for a in table_excursions():
         print_step(f"a {a:.4g}")
-        rows.append((a, *solve_layer(a)))
-    write_text(_csv_text(LAYER_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE.name)
+        rows.append((a, *layer_coefficients(a)))
+    write_text(_csv_text(LAYER_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE_PATH.name)
     rows = []
     for reynolds in table_reynolds_numbers():
         print_step(f"Re {reynolds:.4g}")
         rows += layer_rows_with_inertia(reynolds, table_excursions_with_inertia(reynolds))
     write_text(
-        _csv_text(INERTIA_COLUMNS, rows), options.output / edge_layer.LAYER_TABLE_WITH_INERTIA.name
+        _csv_text(INERTIA_LAYER_COLUMNS, rows),
+        options.output / edge_layer.LAYER_TABLE_WITH_INERTIA_PATH.name,
     )
 
 
@@ -77,7 +78,8 @@ def _csv_text(columns: tuple[str, ...], rows: list[tuple[float, ...]]) -> str:
 def table_excursions() -> list[float]:
     """Excursion ratios of the table's rows, rising from 0 to MAX_TABLE_EXCURSION."""
     return _excursions_of_log_narrowing(
-        edge_layer.log_narrowing(MAX_TABLE_EXCURSION) * axis(EXCURSION_COUNT - 2, False).all_nodes
+        edge_layer.log_narrowing_factor(MAX_TABLE_EXCURSION)
+        * cached_axis(EXCURSION_COUNT - 2, False).all_nodes
     )
 
 
@@ -88,9 +90,9 @@ def table_reynolds_numbers() -> list[float]:
 
 def table_excursions_with_inertia(reynolds: float) -> list[float]:
     """Excursion ratios of the table with inertia at one of its Reynolds numbers."""
-    fractions = (chebyshev.chebpts1(EXCURSIONS_WITH_INERTIA) + 1) / 2
+    fractions = (chebyshev.chebpts1(EXCURSION_COUNT_WITH_INERTIA) + 1) / 2
     return _excursions_of_log_narrowing(
-        edge_layer.log_narrowing(largest_excursion(reynolds)) * fractions
+        edge_layer.log_narrowing_factor(max_excursion_with_inertia(reynolds)) * fractions
     )
 
 
@@ -106,19 +108,19 @@ class HalfLine(NamedTuple):
     weights: np.ndarray
 
 
-def half_line_collocation(nodes: int, stretch: float) -> HalfLine:
+def half_line_of_nodes(nodes: int, stretch: float) -> HalfLine:
     """Collocation on the layer, ends included."""
-    line = axis(nodes, False)
+    line = cached_axis(nodes, False)
     z, unit = line.all_nodes, HALF_LINE_LENGTH / np.expm1(stretch)
     slope = unit * stretch * np.exp(stretch * z)
     return HalfLine(
         xi=unit * np.expm1(stretch * z),
         first=line.derivative / slope[:, None],
-        weights=weights_with_ends(line) * slope,
+        weights=quadrature_weights_with_ends(line) * slope,
     )
 
 
-def solve_layer(a: float) -> tuple[float, float, float]:
+def layer_coefficients(a: float) -> tuple[float, float, float]:
     """d/a², g/a and q/a at one excursion ratio 0 ≤ a < 1, without inertia.
 
     At a = 0 the linear layer gives −5√2/8, 3/√2 and −3/√2.
@@ -129,9 +131,9 @@ def solve_layer(a: float) -> tuple[float, float, float]:
         return -5 * sqrt(2) / 8, 3 / sqrt(2), -3 / sqrt(2)
     # Powers of 1/H have harmonics that fall like ρ^k.
     ratio = a / (1 + sqrt(1 - a**2))
-    time = period(4 * max(6, round(1.2 * log(1e-14) / log(ratio) / 4)))
+    time = cached_time_axis(4 * max(6, round(1.2 * log(1e-14) / log(ratio) / 4)))
     gap, core = 1 + a * np.sin(time.nodes), sqrt(1 + 1.5 * a**2)
-    line = half_line_collocation(NODE_COUNT, NODE_STRETCH)
+    line = half_line_of_nodes(NODE_COUNT, NODE_STRETCH)
     second = (line.first @ line.first)[1:-1]
     inner, shape = second[:, 1:-1], (NODE_COUNT, time.points)
     mass = np.full((NODE_COUNT + 2, time.points), core)
@@ -178,16 +180,20 @@ def solve_layer(a: float) -> tuple[float, float, float]:
 
 
 def layer_rows_with_inertia(reynolds: float, rising: list[float]) -> list[tuple[float, ...]]:
-    """Rows of INERTIA_COLUMNS at one Reynolds number and rising excursion ratios 0 < a < 1.
+    """Rows of INERTIA_LAYER_COLUMNS at one Reynolds number and rising excursion ratios 0 < a < 1.
 
     Raises RunError where no state is found, as where a shock forms, or it is not resolved.
     """
     rows: list[tuple[float, ...]] = []
     last: tuple[InertiaLayer, np.ndarray] | None = None
     for a in rising:
-        excursion_fraction = (a / float(largest_excursion(reynolds))) ** 2
+        excursion_fraction = (a / float(max_excursion_with_inertia(reynolds))) ** 2
         instants = 2 * round(
-            (INSTANTS_RANGE[0] + (INSTANTS_RANGE[1] - INSTANTS_RANGE[0]) * excursion_fraction) / 2
+            (
+                INSTANT_COUNT_RANGE[0]
+                + (INSTANT_COUNT_RANGE[1] - INSTANT_COUNT_RANGE[0]) * excursion_fraction
+            )
+            / 2
         )
         state = InertiaLayer(a, reynolds, instants)
         stream, factors = state.solve(last)
@@ -204,14 +210,14 @@ class InertiaLayer:
     The unknown, ``stream``, is X less the linear part of a layer without inertia.
     """
 
-    a: float
+    excursion_ratio: float
     reynolds: float
-    instants: int
+    instant_count: int
 
     @cached_property
     def line(self) -> HalfLine:
-        return half_line_collocation(
-            NODE_COUNT_WITH_INERTIA, NODE_STRETCH - STRETCH_PER_REYNOLDS * self.reynolds
+        return half_line_of_nodes(
+            NODE_COUNT_WITH_INERTIA, NODE_STRETCH - STRETCH_LOSS_PER_REYNOLDS * self.reynolds
         )
 
     @cached_property
@@ -219,24 +225,26 @@ class InertiaLayer:
         return self.line.first @ self.line.first
 
     @property
-    def rate(self) -> np.ndarray:
+    def time_derivative(self) -> np.ndarray:
         """d/dT."""
-        return period(self.instants).derivative
+        return cached_time_axis(self.instant_count).derivative
 
     @cached_property
     def gap(self) -> np.ndarray:
-        return 1 + self.a * np.sin(period(self.instants).nodes)
+        return 1 + self.excursion_ratio * np.sin(cached_time_axis(self.instant_count).nodes)
 
     def mass(self, stream: np.ndarray) -> np.ndarray:
-        return np.asarray(sqrt(1 + 1.5 * self.a**2) + self.line.first @ stream)
+        return np.asarray(sqrt(1 + 1.5 * self.excursion_ratio**2) + self.line.first @ stream)
 
     def solve(self, nearby: "tuple[InertiaLayer, np.ndarray] | None" = None) -> tuple:
         """Return the stream and the factors of the last step's matrix, from a nearby stream."""
-        stream = np.zeros((NODE_COUNT_WITH_INERTIA + 2, self.instants))
+        stream = np.zeros((NODE_COUNT_WITH_INERTIA + 2, self.instant_count))
         if nearby is not None:
             other, known = nearby
-            carried = period(other.instants).at(period(self.instants).nodes)
-            stream = known @ carried.T * (self.a / other.a)
+            carried = cached_time_axis(other.instant_count).at(
+                cached_time_axis(self.instant_count).nodes
+            )
+            stream = known @ carried.T * (self.excursion_ratio / other.excursion_ratio)
         for _ in range(MAX_NEWTON_STEPS):
             factors = lu_factor(self._jacobian(stream), overwrite_a=True, check_finite=False)
             change = self._solved(factors, -self._residual(stream))
@@ -247,11 +255,13 @@ class InertiaLayer:
             if np.abs(self.line.first @ change).max() < 1e-9:
                 break
         else:
-            raise RunError(f"no edge layer at a = {self.a:g}, Re = {self.reynolds:g}")
-        half = self.instants // 2
-        waves = np.abs(period(self.instants).fourier @ self.mass(stream).T)
-        if waves[half - 1 : half + 1].max() > MAX_UNRESOLVED_FRACTION:
-            raise RunError(f"a = {self.a:g}, Re = {self.reynolds:g}: the layer is not resolved")
+            raise RunError(f"no edge layer at a = {self.excursion_ratio:g}, Re = {self.reynolds:g}")
+        half = self.instant_count // 2
+        waves = np.abs(cached_time_axis(self.instant_count).fourier_matrix @ self.mass(stream).T)
+        if waves[half - 1 : half + 1].max() > MAX_SHORT_WAVE_FRACTION:
+            raise RunError(
+                f"a = {self.excursion_ratio:g}, Re = {self.reynolds:g}: the layer is not resolved"
+            )
         return stream, factors
 
     def edge_functions(
@@ -261,13 +271,18 @@ class InertiaLayer:
         mass, xi = self.mass(stream), self.line.xi[:, None]
         psi = float(mass[-1].mean())
         d = float(self.line.weights @ np.mean((mass - psi) / self.gap, axis=1))
-        flux, sine = -stream @ self.rate.T, np.sin(period(self.instants).nodes)
+        flux, sine = (
+            -stream @ self.time_derivative.T,
+            np.sin(cached_time_axis(self.instant_count).nodes),
+        )
         # Far inside the core's own flux goes on: −ψ (A ∂ψ/∂n − ψ B ∂a/∂n).
-        rates = np.diag(1 / self.gap) + self.reynolds / 10 * psi * self.rate
-        mobility = np.linalg.solve(rates, np.ones(self.instants))
-        by_slope = self._linear(stream, 0.0, 0.0, psi**2 * (mobility - 1) / self.a)
+        rates = np.diag(1 / self.gap) + self.reynolds / 10 * psi * self.time_derivative
+        mobility = np.linalg.solve(rates, np.ones(self.instant_count))
+        by_slope = self._apply_linear_equation(
+            stream, 0.0, 0.0, psi**2 * (mobility - 1) / self.excursion_ratio
+        )
         by_slope = by_slope - xi * sine * flux / self.gap - mass**2 * sine
-        by_core = self._linear(stream, xi, 1.0, -psi * mobility)
+        by_core = self._apply_linear_equation(stream, xi, 1.0, -psi * mobility)
         changes = []
         for forcing in (by_slope, by_core):
             forcing[0] = 0.0  # P = 1 on the edge
@@ -277,7 +292,7 @@ class InertiaLayer:
 
     def _residual(self, stream: np.ndarray) -> np.ndarray:
         """On all nodes but the last, where X = 0; on the edge w − H."""
-        mass, flux, rate = self.mass(stream), -stream @ self.rate.T, self.rate
+        mass, flux, rate = self.mass(stream), -stream @ self.time_derivative.T, self.time_derivative
         slope = self.second @ stream
         inertia = (
             mass * (flux @ rate.T)
@@ -288,9 +303,9 @@ class InertiaLayer:
         residual[0] = mass[0] - self.gap
         return np.asarray(residual[:-1])
 
-    def _coefficients(self, stream: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _linear_coefficients(self, stream: np.ndarray) -> tuple[np.ndarray, ...]:
         """Coefficients of w, ∂w/∂ξ, ∂w/∂T, q and ∂q/∂T in the linear equation."""
-        mass, flux, rate = self.mass(stream), -stream @ self.rate.T, self.rate
+        mass, flux, rate = self.mass(stream), -stream @ self.time_derivative.T, self.time_derivative
         slope, weight = self.second @ stream, self.reynolds / 10 * self.gap
         return (
             weight * (flux @ rate.T + 9 / 7 * (flux / mass) ** 2 * slope) + self.gap * slope,
@@ -300,7 +315,7 @@ class InertiaLayer:
             weight * mass,
         )
 
-    def _linear(
+    def _apply_linear_equation(
         self,
         stream: np.ndarray,
         mass: np.ndarray | float,
@@ -308,26 +323,26 @@ class InertiaLayer:
         flux: np.ndarray,
     ) -> np.ndarray:
         """The linear equation applied to a steady mass and its slope, and an even flux q(T)."""
-        of_mass, of_slope, _, of_flux, of_rate = self._coefficients(stream)
-        changes = of_flux * flux + of_rate * (flux @ self.rate.T)
+        of_mass, of_slope, _, of_flux, of_rate = self._linear_coefficients(stream)
+        changes = of_flux * flux + of_rate * (flux @ self.time_derivative.T)
         return np.asarray(of_mass * mass + of_slope * slope + changes)
 
     def _jacobian(self, stream: np.ndarray) -> np.ndarray:
         """Jacobian for X on all nodes but the last; the rows of the edge come first."""
-        rate, count = self.rate, NODE_COUNT_WITH_INERTIA + 1
+        rate, count = self.time_derivative, NODE_COUNT_WITH_INERTIA + 1
         first, second = self.line.first[:-1, :-1], self.second[:-1, :-1]
         of_mass, of_slope, of_mass_rate, of_flux, of_flux_rate = (
-            coefficient[:-1] for coefficient in self._coefficients(stream)
+            coefficient[:-1] for coefficient in self._linear_coefficients(stream)
         )
         matrix = of_mass_rate[:, :, None, None] * first[:, None, :, None] * rate[None, :, None, :]
-        at, now = np.arange(count), np.arange(self.instants)
+        at, now = np.arange(count), np.arange(self.instant_count)
         same_time = of_mass[:, :, None] * first[:, None] + of_slope[:, :, None] * second[:, None]
         matrix[:, now, :, now] += same_time.swapaxes(0, 1)
         by_flux = of_flux[:, :, None] * rate + of_flux_rate[:, :, None] * (rate @ rate)
         matrix[at, :, at, :] -= by_flux
         matrix[0] = 0.0
         matrix[0, now, :, now] = first[0]
-        return np.asarray(matrix.reshape(count * self.instants, count * self.instants))
+        return np.asarray(matrix.reshape(count * self.instant_count, count * self.instant_count))
 
     def _solved(self, factors: tuple, right: np.ndarray) -> np.ndarray:
         """The linear equation's X for a right-hand side on all nodes but the last."""

@@ -15,13 +15,13 @@ from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.parallel import report_progress
+from squeezefilm.parallel import track_progress
 from squeezefilm.reynolds import error_estimate, solve
 from squeezefilm.reynolds.periodic import refinement, resolution
 from squeezefilm.reynolds.periodic.launch import RESULT_DTYPE
 from squeezefilm.reynolds.periodic.resolution import min_convergence_ratio
-from squeezefilm.reynolds.terms import distinct_terms
-from squeezefilm_workflow.verification.origin import origin_lines
+from squeezefilm.reynolds.terms import distinct_term_sets
+from squeezefilm_workflow.verification.origin import origin_comment_lines
 from squeezefilm_workflow.verification.random_films import (
     TOLERANCE_PERCENTAGES,
     RandomFilm,
@@ -36,17 +36,17 @@ MAX_FINEST_GRID_UNKNOWNS = 20_000
 FILMS_PER_WRITE = 40
 QUANTILES = (0.5, 0.9, 0.99, 0.999)
 ESTIMATE_OUTCOMES = ("within", "outside", "no force", "no direct solution")
-FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
+RANDOM_FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
 # Guards of the error estimate, and the value with which each changes nothing.
 ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, str, float]] = {
-    "SIZE_FRACTION": (error_estimate, "SIZE_FRACTION", 0.0),
-    "RATIO_FACTOR": (error_estimate, "RATIO_FACTOR", 1.0),
-    "UNKNOWN_RATIO": (error_estimate, "UNKNOWN_RATIO", 0.0),
-    "THIN_LAYER_RATIO": (resolution, "THIN_LAYER_RATIO", 0.0),
-    "UNEVEN_SIGMA": (resolution, "UNEVEN_SIGMA", float("inf")),
-    "VELOCITY_SIZE_FRACTION": (error_estimate, "VELOCITY_SIZE_FRACTION", 0.0),
+    "CHANGE_SIZE_FRACTION": (error_estimate, "CHANGE_SIZE_FRACTION", 0.0),
+    "RATIO_SAFETY_FACTOR": (error_estimate, "RATIO_SAFETY_FACTOR", 1.0),
+    "DEFAULT_CONVERGENCE_RATIO": (error_estimate, "DEFAULT_CONVERGENCE_RATIO", 0.0),
+    "THIN_LAYER_CONVERGENCE_RATIO": (resolution, "THIN_LAYER_CONVERGENCE_RATIO", 0.0),
+    "ERRATIC_CONVERGENCE_SIGMA": (resolution, "ERRATIC_CONVERGENCE_SIGMA", float("inf")),
+    "VELOCITY_CHANGE_SIZE_FRACTION": (error_estimate, "VELOCITY_CHANGE_SIZE_FRACTION", 0.0),
     "RESOLVED_MODES_FRACTION": (error_estimate, "RESOLVED_MODES_FRACTION", 0.0),
-    "UNRESOLVED_SIZE_FRACTION": (error_estimate, "UNRESOLVED_SIZE_FRACTION", 0.0),
+    "UNRESOLVED_CHANGE_FRACTION": (error_estimate, "UNRESOLVED_CHANGE_FRACTION", 0.0),
 }
 
 
@@ -70,23 +70,23 @@ def estimates(options: argparse.Namespace) -> None:
     error is larger than its estimate.
     """
     output, numbers = Path(options.output), range(options.films)
-    table = _table_so_far(output, seed=options.seed)
+    table = _read_unfinished_table(output, seed=options.seed)
     missing = [number for number in numbers if number not in {*table["film"]}]
-    with report_progress(len(missing), unit="film", name="estimates") as bar:
+    with track_progress(len(missing), unit="film", name="estimates") as bar:
         for start in range(0, len(missing), FILMS_PER_WRITE):
             film_numbers = missing[start : start + FILMS_PER_WRITE]
-            rows, grids = examine_films(
+            rows, grids = force_and_grid_rows(
                 {n: random_film(n, seed=options.seed) for n in film_numbers}
             )
             if options.grids:
                 _append_to_table(pd.DataFrame(grids), Path(options.grids))
             _append_to_table(pd.DataFrame(rows).assign(seed=options.seed), output)
             bar.update(len(film_numbers))
-    table = _table_so_far(output, seed=options.seed)
+    table = _read_unfinished_table(output, seed=options.seed)
     table = with_outcomes(table[table["film"].isin(numbers)])
     shown = outcome_summary(table)
     call = f"estimates --films {options.films} --seed {options.seed} --output FORCES.csv"
-    head = origin_lines(f"{call} --summary {Path(options.summary).name}")
+    head = origin_comment_lines(f"{call} --summary {Path(options.summary).name}")
     write_text(head + shown.to_csv(index=False), options.summary)
     print(shown.to_string(index=False))
     outside = table.loc[table["outcome"] == "outside", "film"].unique()
@@ -99,7 +99,7 @@ def _append_to_table(table: pd.DataFrame, path: Path) -> None:
         table.to_csv(file, index=False, header=file.tell() == 0)
 
 
-def _table_so_far(path: Path, *, seed: int) -> pd.DataFrame:
+def _read_unfinished_table(path: Path, *, seed: int) -> pd.DataFrame:
     """Raises InputError for a table of another seed, or another table."""
     if not path.exists():
         return pd.DataFrame({"film": []})
@@ -109,7 +109,7 @@ def _table_so_far(path: Path, *, seed: int) -> pd.DataFrame:
     return table
 
 
-def examine_films(
+def force_and_grid_rows(
     films: dict[int, RandomFilm],
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Return rows of films' forces, a row a tolerance, and rows of the grids behind them."""
@@ -148,7 +148,7 @@ def direct_tolerance(tolerance: float) -> float:
     return float(f"{max(DIRECT_TOLERANCE_RATIO * tolerance, MIN_DIRECT_TOLERANCE):.0e}")
 
 
-def direct_forces(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
+def direct_pressures_and_errors(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
     """Mean gauge pressures over p0 and their errors far within a tolerance, (n, 2)."""
     return _gauge_pressures_and_errors(scenes, direct_tolerance(tolerance))
 
@@ -238,13 +238,14 @@ class RecordedGrids:
 
     Attributes:
         table: a row for each film, tolerance and pair of grids.
-        grids_before: number of pairs of grids before that one whose changes are known, (n,).
+        earlier_grid_pair_counts: number of pairs of grids before that one whose changes are known,
+            (n,).
         results: of ``estimate``, (n,).
         scenes: that of each row.
     """
 
     table: pd.DataFrame
-    grids_before: np.ndarray
+    earlier_grid_pair_counts: np.ndarray
     results: np.ndarray
     scenes: Scenes
 
@@ -272,7 +273,7 @@ class RecordedGrids:
 
     def accepted_error_ratios(self) -> pd.Series:
         """Return error over estimate on the first grid of each film whose estimate is enough."""
-        error, allowed = self._estimates()
+        error, allowed = self._estimated_and_allowed_errors()
         enough = (error <= allowed) & (self.results["status"] == 0) & (self.results["lowest"] > 0)
         off = np.abs(self.results["mean"] - self.table["direct"])
         ratio = (off / (error + self.table["direct_error"])).set_axis(
@@ -281,12 +282,12 @@ class RecordedGrids:
         ratio = ratio[enough]
         return ratio[~ratio.index.duplicated()]
 
-    def _estimates(self) -> tuple[np.ndarray, np.ndarray]:
+    def _estimated_and_allowed_errors(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the errors that are estimated of all rows, and those that are allowed."""
         error, allowed = np.empty((2, len(self.table)))
         change = np.full((2, len(self.table) + 1), np.nan)
-        kinds, kind = distinct_terms(self.scenes)
-        keys = np.column_stack([self.grids_before, kind, self.table["tolerance"]])
+        kinds, kind = distinct_term_sets(self.scenes)
+        keys = np.column_stack([self.earlier_grid_pair_counts, kind, self.table["tolerance"]])
         different, which = np.unique(keys, axis=0, return_inverse=True)
         for group, (grids_before, of_kind, tolerance) in enumerate(different):
             at = np.flatnonzero(which == group)
@@ -338,7 +339,7 @@ def guards(options: argparse.Namespace) -> None:
     call = "guards --forces FORCES.csv --grids GRIDS.csv"
     table = pd.DataFrame(rows)
     write_text(
-        origin_lines(f"{call} --output {options.output}") + table.to_csv(index=False),
+        origin_comment_lines(f"{call} --output {options.output}") + table.to_csv(index=False),
         options.output,
     )
     print(table.to_string(index=False))
@@ -353,10 +354,10 @@ def stored_films(options: argparse.Namespace) -> None:
     Each force is written as soon as it is known.
     """
     table = read_stored_films(options.output)
-    head = origin_lines(f"stored-films --output {options.output}")
+    head = origin_comment_lines(f"stored-films --output {options.output}")
     for index, row in table[table["force"].isna()].iterrows():
         film = film_of_row(row)
-        ((force, error),) = direct_forces([film.scene], tolerance=film.tolerance)
+        ((force, error),) = direct_pressures_and_errors([film.scene], tolerance=film.tolerance)
         table.loc[index, ["force", "force_error"]] = float(f"{force:.9g}"), float(f"{error:.2g}")
         write_text(head + table.to_csv(index=False), options.output)
 
@@ -368,4 +369,4 @@ def read_stored_films(path: Path) -> pd.DataFrame:
 
 def film_of_row(row: pd.Series) -> RandomFilm:
     """Return the film of a table's row."""
-    return RandomFilm(**{name: row[name] for name in FILM_COLUMNS})
+    return RandomFilm(**{name: row[name] for name in RANDOM_FILM_COLUMNS})

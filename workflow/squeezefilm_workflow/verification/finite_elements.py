@@ -33,13 +33,13 @@ from squeezefilm.errors import RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm_workflow.verification.marching import (
     FloatArray,
-    film_symmetry,
+    film_symmetry_in_x_and_y,
     graded_cell_edges,
-    march_to_periodic,
+    march_to_periodic_force,
 )
 
 MAX_NEWTON_STEPS = 40
-STEPS_WITH_OLD_FACTORS = 4  # Newton steps with old factors before new ones are made
+NEWTON_STEPS_PER_FACTORS = 4  # Newton steps with old factors before new ones are made
 NEWTON_TOLERANCE = 1e-9  # on u, of order epsilon
 
 
@@ -48,7 +48,7 @@ def _diffusion_form(u, v, w):  # type: ignore[no-untyped-def]
     return w["s"] ** w["power"] * dot(grad(u), grad(v))
 
 
-def periodic_force(
+def periodic_mean_force(
     scene: Scene, *, cells: int = 8, steps: int = 32, mesh: Mesh | None = None, **marching: Any
 ) -> float:
     """Mean force in p0 l0^2 over the last period.
@@ -56,11 +56,11 @@ def periodic_force(
     cells: elements along each half side, folded or not; steps: time steps a period;
     mesh: triangles of another pad than the square, all of whose sides are its edge, in
     units of its side along x from a corner of what surrounds it; marching: as
-    `march_to_periodic` takes it, the tolerance that of u.
+    `march_to_periodic_force` takes it, the tolerance that of u.
 
     Raises RunError when a time step does not converge.
     """
-    fold = film_symmetry(scene) if mesh is None else (False, False)
+    fold = film_symmetry_in_x_and_y(scene) if mesh is None else (False, False)
     if mesh is None:
         x, y = (graded_cell_edges(cells=cells, folded=folded) for folded in fold)
         basis = Basis(MeshQuad.init_tensor(x, y), ElementQuad2(), intorder=5)
@@ -69,7 +69,9 @@ def periodic_force(
         basis = Basis(mesh, ElementTriP2(), intorder=5)
         free = basis.complement_dofs(basis.get_dofs())
     film = _FilmOnElements(scene, basis, free, steps=steps)
-    return march_to_periodic(film.period, np.zeros(len(free)), **marching) * 2 ** sum(fold)
+    return march_to_periodic_force(
+        film.march_one_period, np.zeros(len(free)), **marching
+    ) * 2 ** sum(fold)
 
 
 class _FilmOnElements:
@@ -90,8 +92,8 @@ class _FilmOnElements:
         self.weights = basis.dx.ravel()
         self.gap_weights = [self.weights * (1 + a * gap.ravel()) for a in wave]
         shapes = [shape for shape, *_ in basis.basis]
-        self.values = _at_quadrature(basis, [np.asarray(shape) for shape in shapes])[:, free]
-        slopes = _at_quadrature(basis, [shape.grad[0] for shape in shapes])[:, free]
+        self.values = _quadrature_matrix(basis, [np.asarray(shape) for shape in shapes])[:, free]
+        slopes = _quadrature_matrix(basis, [shape.grad[0] for shape in shapes])[:, free]
         slide = half_step * scene.bearing_number * slopes
         self.tested_old = sp.csr_matrix((scene.sigma * self.values + slide).T)
         self.tested_new = sp.csr_matrix((scene.sigma * self.values - slide).T)
@@ -103,7 +105,7 @@ class _FilmOnElements:
         """P at the quadrature points."""
         return np.asarray(np.sqrt(1 + 2 * (self.values @ u)))
 
-    def period(self, start: FloatArray) -> tuple[FloatArray, float]:
+    def march_one_period(self, start: FloatArray) -> tuple[FloatArray, float]:
         """u after one period from `start`, and the mean force in between."""
         u = start
         path = [u]
@@ -113,20 +115,23 @@ class _FilmOnElements:
                 self.gap_weights[phase - 1] * self.pressure(u)
             )
             step = self.guess[phase] - self.guess[phase - 1] if self.guess is not None else 0
-            u = self._implicit(phase, u + step, old)
+            u = self._implicit_time_step(phase, u + step, old)
             path.append(u)
             force += self.weights @ (self.pressure(u) - 1)
         self.guess = np.array(path)
         return u, force / self.steps
 
-    def _implicit(self, phase: int, u: FloatArray, old: FloatArray) -> FloatArray:
+    def _implicit_time_step(self, phase: int, u: FloatArray, old: FloatArray) -> FloatArray:
         """Solve one time step for u by Newton's method from the guess u."""
         gap_weights, diffusion = self.gap_weights[phase], self.diffusion[phase]
         for attempt in range(MAX_NEWTON_STEPS):
             pressure = self.pressure(u)
             residual = self.tested_new @ (gap_weights * pressure) + diffusion @ u + old
             factors = self.factors[phase]
-            if factors is None or attempt % STEPS_WITH_OLD_FACTORS == STEPS_WITH_OLD_FACTORS - 1:
+            if (
+                factors is None
+                or attempt % NEWTON_STEPS_PER_FACTORS == NEWTON_STEPS_PER_FACTORS - 1
+            ):
                 stored = self.tested_new @ sp.diags(gap_weights / pressure) @ self.values
                 factors = self.factors[phase] = splu(sp.csc_matrix(stored + diffusion))
             change = factors.solve(residual)
@@ -139,7 +144,7 @@ class _FilmOnElements:
         raise RunError(f"finite elements: time step {phase} of {self.steps} did not converge")
 
 
-def _at_quadrature(basis: Basis, shapes: list[FloatArray]) -> sp.csr_matrix:
+def _quadrature_matrix(basis: Basis, shapes: list[FloatArray]) -> sp.csr_matrix:
     """Matrix from nodal values to quadrature points, element by element, of given shapes."""
     rows = np.arange(basis.dx.size)
     data = np.concatenate([np.broadcast_to(shape, basis.dx.shape).ravel() for shape in shapes])

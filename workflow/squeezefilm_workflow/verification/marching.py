@@ -25,7 +25,7 @@ LinearMap = Callable[[FloatArray], FloatArray]
 MAX_NEWTON_STEPS, MAX_KRYLOV_ITERATIONS = 40, 400
 
 
-def film_symmetry(scene: Scene) -> tuple[bool, bool]:
+def film_symmetry_in_x_and_y(scene: Scene) -> tuple[bool, bool]:
     """Return whether a film is even about X = 1/2 and Y = 1/2, so that half the side suffices.
 
     It is probed at some points and phases.
@@ -57,7 +57,7 @@ def periods_to_settle(*, sigma: float, tolerance: float) -> int:
     return 1 + math.ceil(sigma * math.log(1 / tolerance) / (4 * math.pi**3))
 
 
-def march_to_periodic(
+def march_to_periodic_force(
     period: Callable[[FloatArray], tuple[FloatArray, float]],
     start: FloatArray,
     *,

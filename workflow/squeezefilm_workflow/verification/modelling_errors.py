@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.cli.options import command, flag, option
+from squeezefilm.cli.options import command, flag_option, option
 from squeezefilm.errors import RunError
 from squeezefilm.film.pad import Pad, PadShape
 from squeezefilm.film.profiles import BesselMode, Piston, Profile, Sinc, StandingWave
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.film.validity import validity
+from squeezefilm.film.validity import validity_text
 from squeezefilm.quantities.model_error import (
     AUTO_TERM_TOLERANCE,
     ErrorBudget,
     error_budgets,
     resolve_auto_terms,
-    unsupported_auto_terms,
+    unsupported_auto_term_texts,
 )
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.verification.all_effects import (
@@ -31,21 +31,21 @@ from squeezefilm_workflow.verification.all_effects import (
     grid_sizes_of_scene,
     is_axisymmetric,
 )
-from squeezefilm_workflow.verification.films import MAX_EPSILON_REYNOLDS
+from squeezefilm_workflow.verification.films import MAX_EPSILON_TIMES_REYNOLDS
 
 # Ranges of Re, σ, ε, h0 in m and, of a sliding pad, its speed in m/s.
 REYNOLDS_RANGE, SIGMA_RANGE, EPSILON_RANGE = (0.1, 10.0), (5.0, 2500.0), (0.1, 0.6)
 H0_RANGE_M, SPEED_RANGE_M_PER_S = (4e-6, 25e-6), (0.02, 0.5)
-ASPECT_RANGE, MAX_OFF_CENTRE = (0.6, 1.6), 0.25
+ASPECT_RANGE, MAX_OFF_CENTRE_FRACTION = (0.6, 1.6), 0.25
 SLIDING_PROBABILITY, OFF_CENTRE_PROBABILITY = 0.1, 0.3
-SLIP_PROBABILITY, UNIFORM_GAP_PROBABILITY = 0.2, 0.15
+SLIP_PROBABILITY, NO_EFFECTS_PROBABILITY = 0.2, 0.15
 """Probabilities: pad slides; is off the centre; gas slips; has neither inertia nor heat."""
 SHAPE_PROBABILITIES = {"disc": 0.4, "ellipse": 0.25, "rectangle": 0.35}
 PROFILE_PROBABILITIES = {"sinc": 0.35, "bessel": 0.3, "standing-wave": 0.25, "piston": 0.1}
 # Where a node lies: over the distance of the edge from the centre along x.
 NODE_DISTANCE_RANGES = {"edge": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
-BESSEL_ZERO = 2.404825557695773
-LOSS_COEFFICIENTS = (1.0, 1.54)
+FIRST_BESSEL_J0_ZERO = 2.404825557695773
+EDGE_LOSS_COEFFICIENTS = (1.0, 1.54)
 # Range of Re of the films of which `auto` neglects some effects.
 SMALL_REYNOLDS_RANGE = (0.01, 2.0)
 # Rows of a budget that the film with all effects does not answer.
@@ -56,7 +56,9 @@ EFFECTS_NOT_COMPARED = ("depth_averaged", "sheared_gas", "moving_profile", "ram_
     option("--output", "TABLE.csv", "table to write", required=True),
     option("--films", "N", "default 60", type=int, default=60),
     option("--seed", help="of the first film; default 1", type=int, default=1),
-    flag("--discs", "of these the discs above a gap of the radius alone, which take a second each"),
+    flag_option(
+        "--discs", "of these the discs above a gap of the radius alone, which take a second each"
+    ),
 )
 def modelling_errors(options: argparse.Namespace) -> None:
     """Modelling errors of random films, compared with films that have all effects.
@@ -70,7 +72,7 @@ def modelling_errors(options: argparse.Namespace) -> None:
     of a pad's sliding. The exit status is 1 where it does not.
     """
     seeds = range(options.seed, options.seed + options.films)
-    chosen = [seed for seed in seeds if not options.discs or is_axisymmetric(random_film(seed))]
+    chosen = [seed for seed in seeds if not options.discs or is_axisymmetric(random_scene(seed))]
     outside = write_films_table(modelling_error_row, chosen, output=Path(options.output))
     if outside:
         raise RunError(f"modelling errors of films {outside} do not hold")
@@ -111,10 +113,12 @@ def write_films_table(
 
 def auto_terms_row(seed: int) -> dict[str, Any]:
     """Return the effects that `auto` includes in a seed's film and what the others change."""
-    film = random_film(seed, reynolds=SMALL_REYNOLDS_RANGE).with_gas(inertia="auto", thermal="auto")
+    film = random_scene(seed, reynolds=SMALL_REYNOLDS_RANGE).with_gas(
+        inertia="auto", thermal="auto"
+    )
     (scene,) = resolve_auto_terms([film])
     row = _film_row(seed, film.point_id, scene)
-    if unsupported_auto_terms(film):
+    if unsupported_auto_term_texts(film):
         return row | {"outcome": "not supported"}
     own = _effects_of_scene(scene)
     both = replace(own, inertia=True, thermal=True)
@@ -133,13 +137,13 @@ def auto_terms_row(seed: int) -> dict[str, Any]:
 
 def modelling_error_row(seed: int) -> dict[str, Any]:
     """Return the modelling error of a seed's film and what all effects change of its force."""
-    drawn = random_film(seed)
+    drawn = random_scene(seed)
     (scene,) = resolve_auto_terms([drawn])
     (budget,) = error_budgets([scene])
     lower, upper = interval_bounds_percent(budget)
     row = _film_row(seed, drawn.point_id, scene)
     row |= {"modelling_error_lower_percent": lower, "modelling_error_upper_percent": upper}
-    effects = [Effects(edge_coefficient=coefficient) for coefficient in LOSS_COEFFICIENTS]
+    effects = [Effects(edge_loss_coefficient=coefficient) for coefficient in EDGE_LOSS_COEFFICIENTS]
     try:
         all_effects = force_changes_percent(scene, effects)
     except ArithmeticError as reason:
@@ -162,11 +166,11 @@ def _film_row(seed: int, film: str, scene: Scene) -> dict[str, Any]:
         "modified_reynolds": scene.modified_reynolds,
         "sigma": scene.sigma,
         "epsilon": scene.epsilon,
-        "included_effects": included_effects(scene),
+        "included_effects": included_effects_text(scene),
     }
 
 
-def included_effects(scene: Scene) -> str:
+def included_effects_text(scene: Scene) -> str:
     """Return the names of the effects that a scene is solved with."""
     gas = scene.gas
     included = {
@@ -204,23 +208,23 @@ def _effects_of_scene(scene: Scene) -> Effects:
     )
 
 
-def random_film(seed: int, *, reynolds: tuple[float, float] = REYNOLDS_RANGE) -> Scene:
+def random_scene(seed: int, *, reynolds: tuple[float, float] = REYNOLDS_RANGE) -> Scene:
     """Return the film of a seed, within the limits of validity."""
     random = np.random.default_rng(seed)
     while True:
-        scene = _uniform(random, reynolds)
-        steep = scene.epsilon * scene.modified_reynolds > MAX_EPSILON_REYNOLDS
+        scene = _draw_scene(random, reynolds)
+        steep = scene.epsilon * scene.modified_reynolds > MAX_EPSILON_TIMES_REYNOLDS
         term = "included" if scene.gas.inertia == "auto" else "none"
-        if not steep and validity(scene.with_gas(inertia=term, thermal=term)) == "ok":
+        if not steep and validity_text(scene.with_gas(inertia=term, thermal=term)) == "ok":
             return scene
 
 
-def _uniform(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
+def _draw_scene(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
     reynolds, sigma, h0_m = (
         _log_uniform(random, ends) for ends in (limits, SIGMA_RANGE, H0_RANGE_M)
     )
     gas = Gas(inertia="auto", thermal="auto")
-    if random.uniform() < UNIFORM_GAP_PROBABILITY:
+    if random.uniform() < NO_EFFECTS_PROBABILITY:
         gas = replace(gas, inertia="none", thermal="none")
     if random.uniform() < SLIP_PROBABILITY:
         gas = replace(gas, rarefaction="slip")
@@ -235,7 +239,9 @@ def _uniform(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
     node = str(random.choice(list(NODE_DISTANCE_RANGES)))
     node_m = length_m / 2 * random.uniform(*NODE_DISTANCE_RANGES[node])
     off_m = (
-        random.uniform(0, MAX_OFF_CENTRE) * length_m * (random.uniform() < OFF_CENTRE_PROBABILITY)
+        random.uniform(0, MAX_OFF_CENTRE_FRACTION)
+        * length_m
+        * (random.uniform() < OFF_CENTRE_PROBABILITY)
     )
     outline: PadShape = "rectangle" if shape == "rectangle" else "ellipse"
     film = Film(
@@ -259,7 +265,7 @@ def _profile_with_node(kind: str, node_m: float, surface_radius_m: float) -> Pro
         case "sinc":
             return Sinc(wave_number_per_m=1 / node_m)
         case "bessel":
-            return BesselMode(0, BESSEL_ZERO / node_m, 0.0, 0.0, Disc(surface_radius_m))
+            return BesselMode(0, FIRST_BESSEL_J0_ZERO / node_m, 0.0, 0.0, Disc(surface_radius_m))
         case "standing-wave":
             return StandingWave(4 * node_m, 0.0, crest_m=0.0)
     return Piston()

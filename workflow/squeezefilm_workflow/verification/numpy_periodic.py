@@ -72,7 +72,7 @@ class CollocatedFilm:
         self.area = np.outer(self.x.weights[inside], self.y.weights[inside])
         self.i_k = 1j * np.arange(nt // 2 + 1)
         self.i_k[-1] = 0  # the derivative of the sawtooth mode vanishes at the points
-        self.in_time = np.fft.irfft(self.i_k * np.fft.rfft(np.eye(nt)), n=nt)
+        self.time_derivative_matrix = np.fft.irfft(self.i_k * np.fft.rfft(np.eye(nt)), n=nt)
         # The gap is differentiated on the whole grid, edge included.
         phase = 2 * math.pi * np.arange(nt) / nt
         whole = scene.gap(*np.meshgrid(self.x.x, self.y.x, indexing="ij"), phase)
@@ -82,16 +82,16 @@ class CollocatedFilm:
         self.gap, self.bend = whole[inside, inside], bend[inside, inside]
         self.half = np.sqrt(self.gap)
         self.c = 1.5 * self.bend / self.gap + 0.75 * (slope_x**2 + slope_y**2) / self.gap**2
-        self.squeeze = self.sigma * self._rate(self.gap) + self.bearing * slope_x
+        self.squeeze = self.sigma * self._time_derivative(self.gap) + self.bearing * slope_x
 
     def residual(self, p: FloatArray) -> FloatArray:
         """Return the residual of the equation for a pressure p = P - 1."""
-        flow = self._flow(self.gap * self.half * p * (1 + p / 2), self.gap * p)
-        return flow - self._mass_carried_by_wall(self.gap * p) - self.squeeze
+        flow = self._flow_divergence(self.gap * self.half * p * (1 + p / 2), self.gap * p)
+        return flow - self._mass_rate_with_sliding(self.gap * p) - self.squeeze
 
     def derivative(self, p: FloatArray, w: FloatArray) -> FloatArray:
         """Derivative of the residual for a mass perturbation w."""
-        return self._flow(self.half * (1 + p) * w, w) - self._mass_carried_by_wall(w)
+        return self._flow_divergence(self.half * (1 + p) * w, w) - self._mass_rate_with_sliding(w)
 
     def preconditioner(self, p: FloatArray) -> LinearMap:
         """The inverse of the mean diffusion and the rate."""
@@ -114,18 +114,18 @@ class CollocatedFilm:
     def _laplacian(self, field: FloatArray) -> FloatArray:
         return np.asarray(np.tensordot(self.x_second, field, 1) + np.matmul(self.y_second, field))
 
-    def _flow(self, v: FloatArray, mass: FloatArray) -> FloatArray:
+    def _flow_divergence(self, v: FloatArray, mass: FloatArray) -> FloatArray:
         flow = self.gap * self.half * (self._laplacian(v) - self.c * v)
         if self.knudsen:
             slip = self.gap * self._laplacian(mass) - self.bend * mass
             flow += 6 * self.knudsen * slip
         return flow
 
-    def _rate(self, field: FloatArray) -> FloatArray:
-        return np.asarray(field @ self.in_time)
+    def _time_derivative(self, field: FloatArray) -> FloatArray:
+        return np.asarray(field @ self.time_derivative_matrix)
 
-    def _mass_carried_by_wall(self, mass: FloatArray) -> FloatArray:
-        rate = self.sigma * self._rate(mass)
+    def _mass_rate_with_sliding(self, mass: FloatArray) -> FloatArray:
+        rate = self.sigma * self._time_derivative(mass)
         return rate + self.bearing * np.tensordot(self.x_first, mass, 1) if self.bearing else rate
 
 
@@ -140,7 +140,7 @@ def periodic_mean_force(
     """
     film = CollocatedFilm(scene, nx=nx, ny=ny, nt=nt)
 
-    def linearised(p: FloatArray) -> tuple[FloatArray, LinearMap, FloatArray]:
+    def linearised_equation(p: FloatArray) -> tuple[FloatArray, LinearMap, FloatArray]:
         precondition = film.preconditioner(p)
         return (
             precondition(film.residual(p)),
@@ -148,5 +148,7 @@ def periodic_mean_force(
             1 / film.gap,
         )
 
-    p = newton_krylov(film.gap.shape, linearised, positive=lambda p: 1 + p, tolerance=tolerance)
+    p = newton_krylov(
+        film.gap.shape, linearised_equation, positive=lambda p: 1 + p, tolerance=tolerance
+    )
     return film.mean(p)

@@ -1,6 +1,6 @@
 """Random films by their dimensionless numbers: rows of a table, and scenes for the solver.
 
-Numbers that a row does not draw are those of a plain film. A film is of one of GROUPS:
+Numbers that a row does not draw are those of a plain film. A film is of one of GROUP_PERCENTAGES:
 
 - excursion ratio ε uniform in 0.01 to 0.98, squeeze number σ log-uniform in 0.1 to 1e6;
 - *sliding*: bearing number log-uniform in 0.1 to 300;
@@ -24,14 +24,14 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.profiles import Formula, Modes, Profile, largest_magnitude
+from squeezefilm.film.profiles import Formula, ModeSum, Profile, largest_magnitude
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm_workflow.verification.films import PAD_LENGTH_M, film, gap_shape
+from squeezefilm_workflow.verification.films import PAD_LENGTH_M, film_scene, gap_shape
 
-SURFACE = Disc(0.012)
+SURFACE_DISC = Disc(0.012)
 # Probabilities in per cent.
-GROUPS = {
+GROUP_PERCENTAGES = {
     "even gap": 36,
     "sliding": 18,
     "shaped gap": 18,
@@ -49,9 +49,9 @@ PROFILE_PERCENTAGES = {
     "narrow": 20,
 }
 EPSILON_RANGE, SIGMA_RANGE, BEARING_RANGE = (0.01, 0.98), (0.1, 1e6), (0.1, 300.0)
-REYNOLDS_RANGE, MAX_EPSILON_REYNOLDS = (0.05, 5.0), 2.0
+REYNOLDS_RANGE, MAX_EPSILON_TIMES_REYNOLDS = (0.05, 5.0), 2.0
 KNUDSEN_RANGE, ASPECT_RANGE = (1e-3, 0.1), (0.5, 1.0)
-CENTRED_PROBABILITY, MAX_OFF_CENTRE = 0.25, 0.3
+CENTRED_PROBABILITY, MAX_OFF_CENTRE_FRACTION = 0.25, 0.3
 RANGES_OF_GROUP = {
     "shaped gap": {"epsilon": (0.01, 0.9), "sigma": (1.0, 1e5)},
     "ellipse": {"epsilon": (0.01, 0.9), "sigma": (1.0, 1e4)},
@@ -98,12 +98,12 @@ class RandomFilm:
 
     @property
     def scene(self) -> Scene:
-        scene = film(
+        scene = film_scene(
             self.group,
             self.epsilon,
             self.sigma,
             self.bearing,
-            profile=self._profile(),
+            profile=self._vibration_profile(),
             x=self.x,
             y=self.y,
             aspect=self.aspect,
@@ -114,12 +114,12 @@ class RandomFilm:
         )
         return scene.with_gas(thermal="included") if self.group == "thermal" else scene
 
-    def _profile(self) -> Profile:
+    def _vibration_profile(self) -> Profile:
         kind, *coefficients = self.profile.split(" ")
         if kind == "zernike":
-            orders = SURFACE.orders_up_to(MAX_ZERNIKE_DEGREE, axisymmetric=False)
-            return Modes(orders, tuple(map(float, coefficients)), SURFACE)
-        return Formula(self.profile, SURFACE, self.quadrature)
+            orders = SURFACE_DISC.orders_up_to(MAX_ZERNIKE_DEGREE, axisymmetric=False)
+            return ModeSum(orders, tuple(map(float, coefficients)), SURFACE_DISC)
+        return Formula(self.profile, SURFACE_DISC, self.quadrature)
 
 
 def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> RandomFilm:
@@ -129,20 +129,20 @@ def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> Ran
         limits: of ``epsilon``, ``sigma``, ``bearing`` or ``reynolds`` other than the docstring's.
     """
     random = np.random.default_rng((seed, number))
-    group = _draw_by_frequency(random, GROUPS)
+    group = _draw_by_percentages(random, GROUP_PERCENTAGES)
     limits = (
         {"epsilon": EPSILON_RANGE, "sigma": SIGMA_RANGE} | RANGES_OF_GROUP.get(group, {}) | limits
     )
     shared = np.random.default_rng((seed, number // FILMS_PER_PROFILE, FILMS_PER_PROFILE))
-    x, y = shared.uniform(-MAX_OFF_CENTRE, MAX_OFF_CENTRE, 2) * (
+    x, y = shared.uniform(-MAX_OFF_CENTRE_FRACTION, MAX_OFF_CENTRE_FRACTION, 2) * (
         shared.uniform() > CENTRED_PROBABILITY
     )
     drawn = RandomFilm(
         group=group,
         epsilon=float(random.uniform(*limits["epsilon"])),
         sigma=_log_uniform(random, limits["sigma"]),
-        profile=_random_profile(shared, x * PAD_LENGTH_M, y * PAD_LENGTH_M),
-        tolerance=float(_draw_by_frequency(random, TOLERANCE_PERCENTAGES)),
+        profile=_random_profile_formula(shared, x * PAD_LENGTH_M, y * PAD_LENGTH_M),
+        tolerance=float(_draw_by_percentages(random, TOLERANCE_PERCENTAGES)),
         x=float(x),
         y=float(y),
     )
@@ -157,7 +157,7 @@ def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> Ran
             return replace(drawn, aspect=_log_uniform(random, ASPECT_RANGE))
         case "inertia" | "thermal":
             reynolds = _log_uniform(random, limits.get("reynolds", REYNOLDS_RANGE))
-            reynolds = min(reynolds, MAX_EPSILON_REYNOLDS / drawn.epsilon)
+            reynolds = min(reynolds, MAX_EPSILON_TIMES_REYNOLDS / drawn.epsilon)
             tolerance = max(drawn.tolerance, MIN_TOLERANCE_WITH_INERTIA)
             return replace(drawn, reynolds=reynolds, tolerance=tolerance)
         case "shaped gap":
@@ -171,7 +171,7 @@ def _log_uniform(random: np.random.Generator, limits: tuple[float, float]) -> fl
     return exp(random.uniform(log(low), log(high)))
 
 
-def _draw_by_frequency(random: np.random.Generator, frequencies: Mapping[Any, int]) -> str:
+def _draw_by_percentages(random: np.random.Generator, frequencies: Mapping[Any, int]) -> str:
     weights = np.array(list(frequencies.values())) / sum(frequencies.values())
     return str(random.choice(list(frequencies), p=weights))
 
@@ -180,9 +180,9 @@ def _film_with_nonuniform_gap(random: np.random.Generator, drawn: RandomFilm) ->
     """A film whose gap is shaped at rest, has two components, or both."""
     shaped = random.uniform() < 0.7
     if not shaped or random.uniform() < 0.3:
-        profile = _smooth_profile(random)
+        profile = _smooth_profile_formula(random)
         while drawn.profile.startswith("zernike"):
-            drawn = replace(drawn, profile=_random_profile(random, 0.0, 0.0))
+            drawn = replace(drawn, profile=_random_profile_formula(random, 0.0, 0.0))
         drawn = replace(drawn, quadrature=profile)
     if not shaped:
         return drawn
@@ -198,20 +198,20 @@ def _film_with_nonuniform_gap(random: np.random.Generator, drawn: RandomFilm) ->
     return replace(drawn, epsilon=drawn.epsilon / closure)
 
 
-def _random_profile(random: np.random.Generator, x_m: float, y_m: float) -> str:
+def _random_profile_formula(random: np.random.Generator, x_m: float, y_m: float) -> str:
     """A profile whose features lie under or near a pad at x, y."""
-    kind = _draw_by_frequency(random, PROFILE_PERCENTAGES)
+    kind = _draw_by_percentages(random, PROFILE_PERCENTAGES)
     if kind == "piston":
         return "1"
     if kind == "smooth":
-        return _smooth_profile(random)
+        return _smooth_profile_formula(random)
     if kind == "measured":
-        return _measured_like_profile(random)
+        return _random_zernike_text(random)
     at_x, at_y = np.array([x_m, y_m]) + random.uniform(-0.4, 0.4, 2) * PAD_LENGTH_M
     angle, height = random.uniform(0, pi), random.uniform(0.1, 0.9)
     along = f"({cos(angle):.6f}*(x-({at_x:.6g}))+{sin(angle):.6f}*(y-({at_y:.6g})))"
     if kind == "kink":
-        return f"1-{height:.4f}*abs({along})/{1.5 * SURFACE.radius_m:.6g}"
+        return f"1-{height:.4f}*abs({along})/{1.5 * SURFACE_DISC.radius_m:.6g}"
     if kind == "ridge":
         width_m = _log_uniform(random, (PAD_LENGTH_M / 15, PAD_LENGTH_M / 3))
         return f"1-{height:.4f}*exp(-({along}/{width_m:.6g})**2)"
@@ -221,7 +221,7 @@ def _random_profile(random: np.random.Generator, x_m: float, y_m: float) -> str:
     return f"1{sign}{height:.4f}*{spot}"
 
 
-def _smooth_profile(random: np.random.Generator) -> str:
+def _smooth_profile_formula(random: np.random.Generator) -> str:
     """The paper's profile with other wave numbers, or a standing wave."""
     if random.uniform() < 0.5:
         return f"sinc({random.uniform(30, 300):.6g}*r)"
@@ -230,10 +230,12 @@ def _smooth_profile(random: np.random.Generator) -> str:
     return f"cos({rate * cos(angle):.6g}*x+{rate * sin(angle):.6g}*y+{phase:.6g})"
 
 
-def _measured_like_profile(random: np.random.Generator) -> str:
+def _random_zernike_text(random: np.random.Generator) -> str:
     """Zernike modes as the smoothing of a scan has them: the finer the smaller."""
-    orders = SURFACE.orders_up_to(MAX_ZERNIKE_DEGREE, axisymmetric=False)
+    orders = SURFACE_DISC.orders_up_to(MAX_ZERNIKE_DEGREE, axisymmetric=False)
     sizes = random.standard_normal(len(orders)) * [0.5 ** order[0] for order in orders]
-    modes = Modes(orders, tuple(sizes), SURFACE)
-    largest = largest_magnitude(lambda x_m, y_m: modes.amplitude(x_m=x_m, y_m=y_m), surface=SURFACE)
+    modes = ModeSum(orders, tuple(sizes), SURFACE_DISC)
+    largest = largest_magnitude(
+        lambda x_m, y_m: modes.amplitude(x_m=x_m, y_m=y_m), surface=SURFACE_DISC
+    )
     return " ".join(["zernike", *(f"{size:.9g}" for size in sizes / largest)])

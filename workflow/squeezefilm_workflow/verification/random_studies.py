@@ -9,14 +9,14 @@ from tempfile import TemporaryDirectory
 
 import pandas as pd
 
-from squeezefilm.cli.options import command, flag, option
+from squeezefilm.cli.options import command, flag_option, option
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.verification.comparisons import (
     COMPARISON_OUTCOMES,
     Comparison,
+    compare_coverage,
     compare_study,
-    coverage,
 )
 from squeezefilm_workflow.verification.study_generator import random_study
 
@@ -29,7 +29,7 @@ MODEL_NAMES = (
 MISCOVERAGE_PROBABILITY = 1e-3
 # Coverage of all 95 % intervals together.
 POOLED_COVERAGE_RANGE = (0.945, 0.955)
-COVERAGE_KINDS = ("disc", "plate", "scan")
+COVERAGE_STUDY_KINDS = ("disc", "plate", "scan")
 
 
 @command(
@@ -37,7 +37,7 @@ COVERAGE_KINDS = ("disc", "plate", "scan")
     option("--studies", "N", "default 12", type=int, default=12),
     option("--seed", help="of the first study; default 1", type=int, default=1),
     option("--points", help="simulated of each study", type=int, default=2),
-    flag("--coverage", "of prediction intervals"),
+    flag_option("--coverage", "of prediction intervals"),
     option("--fresh", help="points for each coverage", type=int, default=2000),
 )
 def random_studies(options: argparse.Namespace) -> None:
@@ -58,7 +58,7 @@ def random_studies(options: argparse.Namespace) -> None:
     """
     seeds, output = range(options.seed, options.seed + options.studies), Path(options.output)
     if options.coverage:
-        table = interval_coverages(seeds, fresh=options.fresh, output=output)
+        table = compare_coverages(seeds, fresh=options.fresh, output=output)
     else:
         table = compare_statements(seeds, points=options.points, output=output)
     print(outcome_counts(table).to_string(index=False))
@@ -86,10 +86,10 @@ def compare_statements(
         points: scenes that are simulated of each.
         output: a table that grows study by study.
     """
-    return _run_campaign(seeds, ("any",), partial(compare_study, points=points), output=output)
+    return _comparison_table(seeds, ("any",), partial(compare_study, points=points), output=output)
 
 
-def interval_coverages(
+def compare_coverages(
     seeds: Sequence[int],
     *,
     models: Sequence[str] = MODEL_NAMES,
@@ -107,11 +107,13 @@ def interval_coverages(
         output: a table that grows study by study.
     """
     level = MISCOVERAGE_PROBABILITY / (len(seeds) * len(models) * 2)
-    check = partial(coverage, models=models, fresh=fresh, level_of_test=level)
-    return _run_campaign(seeds, COVERAGE_KINDS, check, output=output, validation={"points": sample})
+    check = partial(compare_coverage, models=models, fresh=fresh, level_of_test=level)
+    return _comparison_table(
+        seeds, COVERAGE_STUDY_KINDS, check, output=output, validation={"points": sample}
+    )
 
 
-def _run_campaign(
+def _comparison_table(
     seeds: Iterable[int],
     kinds: Sequence[str],
     check: Callable[..., Iterator[Comparison]],

@@ -20,7 +20,7 @@ from scipy.interpolate import BarycentricInterpolator
 # Inverse Knudsen numbers of the table, ten for each decade.
 TABULATED_INVERSE_KNUDSEN = 10.0 ** (np.arange(-20, 31) / 10)
 # Of t in T(x), by the trapezoidal rule in ln t.
-LOG_T, LOG_T_STEP = np.linspace(-45, 2.2, 900, retstep=True)
+LOG_T_NODES, LOG_T_STEP = np.linspace(-45, 2.2, 900, retstep=True)
 
 
 def poiseuille_flow(inverse_knudsen: float, *, points: int = 60, half_rule: int = 50) -> float:
@@ -44,27 +44,33 @@ def poiseuille_flow(inverse_knudsen: float, *, points: int = 60, half_rule: int 
             nodes = point + length * quadrature_nodes
             kernel = _abramowitz_function(
                 half
-                * np.abs(_place_crowded_at_walls(nodes) - _place_crowded_at_walls(np.array(point)))
+                * np.abs(
+                    _wall_clustered_position(nodes) - _wall_clustered_position(np.array(point))
+                )
             )
-            kernel *= half * _slope_of_crowding(nodes) * abs(length) * node_weights / np.sqrt(np.pi)
+            kernel *= (
+                half * _wall_clustering_slope(nodes) * abs(length) * node_weights / np.sqrt(np.pi)
+            )
             equation[row] -= kernel @ interpolation(nodes)
     profile = np.linalg.solve(equation, np.ones(points))
-    return float((half * weights * _slope_of_crowding(at) @ profile - 2 * half) / (2 * half) ** 2)
+    return float(
+        (half * weights * _wall_clustering_slope(at) @ profile - 2 * half) / (2 * half) ** 2
+    )
 
 
 def _abramowitz_function(x: np.ndarray) -> np.ndarray:
     """T(x) of each x, shape (n,)."""
-    t = np.exp(LOG_T)
+    t = np.exp(LOG_T_NODES)
     return np.exp(-(t**2) - np.maximum(x, 1e-18)[:, None] / t).sum(axis=1) * LOG_T_STEP
 
 
-def _place_crowded_at_walls(q: np.ndarray) -> np.ndarray:
+def _wall_clustered_position(q: np.ndarray) -> np.ndarray:
     """Place across the gap, −1 … 1, of a variable in which places crowd at both walls."""
     return (35 * q - 35 * q**3 + 21 * q**5 - 5 * q**7) / 16
 
 
-def _slope_of_crowding(q: np.ndarray) -> np.ndarray:
-    """Slope of ``_place_crowded_at_walls``."""
+def _wall_clustering_slope(q: np.ndarray) -> np.ndarray:
+    """Slope of ``_wall_clustered_position``."""
     return 35 / 16 * (1 - q**2) ** 3
 
 

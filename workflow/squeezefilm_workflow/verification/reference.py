@@ -26,7 +26,7 @@ from squeezefilm.film.scene import Scene
 from squeezefilm_workflow.verification.marching import (
     FloatArray,
     LinearMap,
-    film_symmetry,
+    film_symmetry_in_x_and_y,
     newton_krylov,
 )
 
@@ -64,7 +64,7 @@ class _SpectralElementSide:
     def __init__(self, *, degree: int, folded: bool) -> None:
         half = np.array([0.0, 0.09, 0.5])
         edges = half if folded else np.concatenate([half, 1 - half[-2::-1]])
-        nodes, weights, derivative = gauss_lobatto(degree)
+        nodes, weights, derivative = gauss_lobatto_rule(degree)
         widths = np.diff(edges)
         # Of each element's nodes the global ones, the last of an element the first of the next.
         node_indices = (degree * np.arange(len(widths))[:, None] + np.arange(degree + 1)).ravel()
@@ -80,7 +80,7 @@ class _SpectralElementSide:
         self.values, self.modes = eigh(stiffness, np.diag(self.mass))
 
 
-def gauss_lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def gauss_lobatto_rule(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Gauss-Lobatto-Legendre nodes on [-1, 1], weights, and the derivative matrix."""
     # The inner nodes are the zeros of the derivative of Legendre's polynomial.
     nodes = np.concatenate([[-1.0], roots_jacobi(degree - 1, 1, 1)[0], [1.0]])
@@ -90,7 +90,7 @@ def gauss_lobatto(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
-    sigma, fold = scene.sigma, film_symmetry(scene)
+    sigma, fold = scene.sigma, film_symmetry_in_x_and_y(scene)
     x, y = (_SpectralElementSide(degree=degree, folded=folded) for folded in fold)
     phase = 2 * math.pi * np.arange(instants) / instants
 
@@ -104,17 +104,17 @@ def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
     laplacian = np.add.outer(x.values, y.values)[..., None]
     i_k = 1j * np.arange(instants // 2 + 1)
 
-    def rate(mass: FloatArray) -> FloatArray:
+    def time_derivative(mass: FloatArray) -> FloatArray:
         return np.fft.irfft(i_k * np.fft.rfft(mass), n=instants)
 
-    def diffusion(u: FloatArray) -> FloatArray:
+    def diffusion_term(u: FloatArray) -> FloatArray:
         along_x = np.tensordot(x.slope.T, conductance_x * np.tensordot(x.slope, u, 1), 1)
         along_y = np.matmul(y.slope.T, conductance_y * np.matmul(y.slope, u))
         return np.asarray(along_x + along_y)
 
-    squeeze = rate(height)
+    squeeze = time_derivative(height)
 
-    def linearised(u: FloatArray) -> tuple[FloatArray, LinearMap, FloatArray]:
+    def linearised_equation(u: FloatArray) -> tuple[FloatArray, LinearMap, FloatArray]:
         pressure = np.sqrt(1 + 2 * u)
         symbol = np.mean(height**2 * pressure) * laplacian + sigma * i_k
         to_u = pressure / height
@@ -125,15 +125,15 @@ def _mean_force(scene: Scene, *, degree: int, instants: int) -> float:
             return np.asarray(np.matmul(y.modes, np.tensordot(x.modes, modes, 1)))
 
         # H P = H + H p, and the rate of H is known.
-        stored = sigma * area * (rate(height * 2 * u / (1 + pressure)) + squeeze)
+        stored = sigma * area * (time_derivative(height * 2 * u / (1 + pressure)) + squeeze)
         return (
-            precondition(diffusion(u) + stored),
-            lambda w: precondition(diffusion(to_u * w) + sigma * area * rate(w)),
+            precondition(diffusion_term(u) + stored),
+            lambda w: precondition(diffusion_term(to_u * w) + sigma * area * time_derivative(w)),
             to_u,
         )
 
     u = newton_krylov(
-        height.shape, linearised, positive=lambda u: 1 + 2 * u, tolerance=NEWTON_TOLERANCE
+        height.shape, linearised_equation, positive=lambda u: 1 + 2 * u, tolerance=NEWTON_TOLERANCE
     )
     gauge_pressure_ratio = 2 * u / (1 + np.sqrt(1 + 2 * u))
     return float(2 ** sum(fold) * np.sum(area[:, :, 0] * gauge_pressure_ratio.mean(axis=-1)))

@@ -23,39 +23,41 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.terms import terms_label, terms_of
 from squeezefilm.studies.plans import random_plan
-from squeezefilm.studies.space import space_of
-from squeezefilm_workflow.verification.films import PISTON, SHAPE_OF_PAD
-from squeezefilm_workflow.verification.origin import origin_lines
+from squeezefilm.studies.space import space_of_study
+from squeezefilm_workflow.verification.films import PISTON_PROFILE, SHAPE_OF_PAD_NAME
+from squeezefilm_workflow.verification.origin import origin_comment_lines
 from squeezefilm_workflow.verification.work_precision import (
-    FILMS,
+    TIMED_FILMS,
     measure_call_times,
-    work_precision,
+    work_precision_table,
 )
 
-PAPER_CONFIG = "config/paper.yaml"
-USED_LINE_PATTERN = re.compile(r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE)
+PAPER_CONFIG_PATH = "config/paper.yaml"
+RESOURCES_LINE_PATTERN = re.compile(
+    r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE
+)
 """The last line of a job's log, which `scripts/job.py` writes."""
-ONE_FORCE_COMMAND = (
+ONE_FORCE_ARGUMENTS = (
     "-m",
     "squeezefilm",
     "simulate",
     "--config",
-    PAPER_CONFIG,
+    PAPER_CONFIG_PATH,
     "--h0",
     "5um",
     "--hv",
     "2.2um",
 )
-DRY_RUN_COMMAND = ("-m", "snakemake", "-n", "--quiet", "all")
-CONTEXT_CODE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
-PYTHON_CODES = ("pass", "import numpy", CONTEXT_CODE)
+SNAKEMAKE_DRY_RUN_ARGUMENTS = ("-m", "snakemake", "-n", "--quiet", "all")
+OPENCL_CONTEXT_CODE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
+TIMED_PYTHON_CODES = ("pass", "import numpy", OPENCL_CONTEXT_CODE)
 SCENES_AND_REPEATS = ((1, 300), (10_000, 5))
 """Scenes of a batch, and how often it is solved; the median counts."""
 TERM_SCENE_COUNT, TERM_TOLERANCE = 24, 1e-4
 TERM_H0_RANGE_M, TERM_EPSILON_RANGE = (1e-5, 3e-5), (0.05, 0.4)
-TERM_SIDES_M = {"square": 35.4e-3, "disc": 40e-3}
+TERM_PAD_LENGTHS_M = {"square": 35.4e-3, "disc": 40e-3}
 GAS_WITHOUT_EFFECTS = Gas(inertia="none", thermal="none")
-INERTIA_INCLUDED, THERMAL_INCLUDED = {"inertia": "included"}, {"thermal": "included"}
+INERTIA_GAS_KEYS, THERMAL_GAS_KEYS = {"inertia": "included"}, {"thermal": "included"}
 """Pads above a piston, and inertia and thermal effects of the gas, whose scenes are timed."""
 TIMING_ROUNDS = 9
 """Of the processes, one after the other; the first warms up, of the others the median counts."""
@@ -76,7 +78,7 @@ def run_times(options: argparse.Namespace) -> None:
     methods, and how often the solver's is in it where its error is no larger. Nothing else should
     run meanwhile.
     """
-    head = origin_lines("run-times --output docs/data")
+    head = origin_comment_lines("run-times --output docs/data")
     for measured in (
         *(paper_run_times, one_force_times, batch_times, times_by_term),
         *(equal_error_times, equal_error_times_with_effects),
@@ -96,7 +98,7 @@ def paper_run_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
         [
             (path.relative_to(logs).parts[0].removesuffix(".log"), float(used[1]), int(used[2]))
             for path in logs.rglob("*.log")
-            if (used := USED_LINE_PATTERN.search(path.read_text(encoding="utf-8")))
+            if (used := RESOURCES_LINE_PATTERN.search(path.read_text(encoding="utf-8")))
         ],
         columns=["rule", "seconds", "memory"],
     )
@@ -113,14 +115,14 @@ def paper_run_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
 
 def one_force_times() -> pd.DataFrame:
     """Processor time of one force from the shell by what the process does, kernels in the cache."""
-    python_alone, with_numpy, with_device = (("-c", code) for code in PYTHON_CODES)
+    python_alone, with_numpy, with_device = (("-c", code) for code in TIMED_PYTHON_CODES)
     processes = (
         python_alone,
         with_numpy,
         with_device,
-        (*ONE_FORCE_COMMAND, "--help"),
-        ONE_FORCE_COMMAND,
-        DRY_RUN_COMMAND,
+        (*ONE_FORCE_ARGUMENTS, "--help"),
+        ONE_FORCE_ARGUMENTS,
+        SNAKEMAKE_DRY_RUN_ARGUMENTS,
     )
     rounds = [[child_cpu_seconds(*words) for words in processes] for _ in range(TIMING_ROUNDS)]
     python, numpy, device, options, force, nothing = np.median(rounds[1:], axis=0)
@@ -142,8 +144,10 @@ def batch_times() -> pd.DataFrame:
 
     The host is the main thread; on a processor kernels run on others.
     """
-    study, rows = load(PAPER_CONFIG), []
-    points = random_plan(points=SCENES_AND_REPEATS[-1][0], seed=1, **space_of(study.config).limits)
+    study, rows = load(PAPER_CONFIG_PATH), []
+    points = random_plan(
+        points=SCENES_AND_REPEATS[-1][0], seed=1, **space_of_study(study.config).limits
+    )
     for (count, repeats), tolerance in product(SCENES_AND_REPEATS, (1e-4, 1e-6)):
         call = partial(solve, study.scenes(points[:count]), tolerance=tolerance)
         _, times = measure_call_times(call, repeats=repeats, long_seconds=np.inf)
@@ -161,11 +165,11 @@ def times_by_term() -> pd.DataFrame:
     h0_m = random.uniform(*TERM_H0_RANGE_M, TERM_SCENE_COUNT)
     hv_m = h0_m * random.uniform(*TERM_EPSILON_RANGE, TERM_SCENE_COUNT)
     for (pad, side_m), effects in product(
-        TERM_SIDES_M.items(), ({}, INERTIA_INCLUDED, INERTIA_INCLUDED | THERMAL_INCLUDED)
+        TERM_PAD_LENGTHS_M.items(), ({}, INERTIA_GAS_KEYS, INERTIA_GAS_KEYS | THERMAL_GAS_KEYS)
     ):
-        actuator = Actuator(20e3, side_m, profile=PISTON)
+        actuator = Actuator(20e3, side_m, profile=PISTON_PROFILE)
         film = Film(
-            GAS_WITHOUT_EFFECTS, actuator, Pad(side_m, side_m, 0.0, shape=SHAPE_OF_PAD[pad])
+            GAS_WITHOUT_EFFECTS, actuator, Pad(side_m, side_m, 0.0, shape=SHAPE_OF_PAD_NAME[pad])
         )
         scenes = [film.scene(*gap_m).with_gas(**effects) for gap_m in zip(h0_m, hv_m, strict=True)]
         call = partial(solve, scenes, tolerance=TERM_TOLERANCE)
@@ -179,12 +183,12 @@ def times_by_term() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns)
 
 
-def equal_error_times(films: tuple[Scene, ...] = FILMS[1:2]) -> pd.DataFrame:
+def equal_error_times(films: tuple[Scene, ...] = TIMED_FILMS[1:2]) -> pd.DataFrame:
     """First and last run of each other method on films, and the solver's at equal error.
 
     Of those runs that a run of the solver is no worse than.
     """
-    runs = work_precision(
+    runs = work_precision_table(
         films, repeats=9, batch=100, longest_seconds=2.0, rungs=10, device=choose_device()
     )
     runs["relative_error"] = runs["relative_error"].clip(lower=runs["reference_uncertainty"])
@@ -204,7 +208,7 @@ def equal_error_times(films: tuple[Scene, ...] = FILMS[1:2]) -> pd.DataFrame:
 
 def equal_error_times_with_effects() -> pd.DataFrame:
     """Return the same of films with inertia and thermal effects."""
-    return equal_error_times(FILMS[4:])
+    return equal_error_times(TIMED_FILMS[4:])
 
 
 def child_cpu_seconds(*words: str) -> float:

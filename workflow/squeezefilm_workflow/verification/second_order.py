@@ -22,12 +22,15 @@ from squeezefilm.cli.options import command, option
 from squeezefilm.files import write_text
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
-from squeezefilm_workflow.verification.films import PISTON, film
+from squeezefilm_workflow.verification.films import PISTON_PROFILE, film_scene
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 from squeezefilm_workflow.verification.published.linear_film import exact_factors
 
-REYNOLDS_BY_THERMAL = {False: (0.45, 1.0, 4.0, 10.0, 20.0), True: (0.45, 1.8, 4.0, 7.0, 10.0)}
-SIGMA_BY_THERMAL = {False: (20.0, 100.0, 600.0, 2400.0), True: (25.0, 100.0, 600.0)}
+REYNOLDS_VALUES_BY_THERMAL = {
+    False: (0.45, 1.0, 4.0, 10.0, 20.0),
+    True: (0.45, 1.8, 4.0, 7.0, 10.0),
+}
+SIGMA_VALUES_BY_THERMAL = {False: (20.0, 100.0, 600.0, 2400.0), True: (25.0, 100.0, 600.0)}
 """Of the table's rows, without and with thermal effects."""
 PRANDTL, HEAT_CAPACITY_RATIO, VISCOSITY_EXPONENT = 0.71, 1.4, 0.7
 # Nodes along each side of the pad and across half of the gap.
@@ -57,14 +60,16 @@ def table_cases() -> list[tuple[bool, float, float]]:
     return [
         (thermal, reynolds, sigma)
         for thermal in (False, True)
-        for reynolds in REYNOLDS_BY_THERMAL[thermal]
-        for sigma in SIGMA_BY_THERMAL[thermal]
+        for reynolds in REYNOLDS_VALUES_BY_THERMAL[thermal]
+        for sigma in SIGMA_VALUES_BY_THERMAL[thermal]
     ]
 
 
 def depth_averaged_force(*, reynolds: float, sigma: float, thermal: bool) -> float:
     """The solver's force on a square piston over ε² and p0 times its area, as ε → 0."""
-    scene = film("", SMALL_EPSILON, sigma, profile=PISTON, reynolds=reynolds).with_gas(
+    scene = film_scene(
+        "", SMALL_EPSILON, sigma, profile=PISTON_PROFILE, reynolds=reynolds
+    ).with_gas(
         thermal="included" if thermal else "none",
         prandtl=PRANDTL,
         heat_capacity_ratio=HEAT_CAPACITY_RATIO,
@@ -81,7 +86,7 @@ def depth_resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> flo
     values, vectors, inverse = line.modes
     decays = np.add.outer(values, values)
 
-    def poisson(source: np.ndarray, decay: complex = 0.0) -> np.ndarray:
+    def solve_poisson(source: np.ndarray, decay: complex = 0.0) -> np.ndarray:
         modes = inverse @ source[inner] @ inverse.T / (decays - decay)
         return np.pad(vectors @ modes @ vectors.T, 1)
 
@@ -91,7 +96,7 @@ def depth_resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> flo
     def divergence(flow: np.ndarray) -> np.ndarray:
         return np.asarray(line.first @ flow[0] + flow[1] @ line.first.T)
 
-    def mean(a: np.ndarray | complex, b: np.ndarray) -> np.ndarray:
+    def mean_of_product(a: np.ndarray | complex, b: np.ndarray) -> np.ndarray:
         """Mean of the product of two harmonics over a period."""
         return np.real(np.conj(a) * b) / 2
 
@@ -100,11 +105,12 @@ def depth_resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> flo
     factors = exact_factors(reynolds, prandtl=prandtl, heat_capacity_ratio=HEAT_CAPACITY_RATIO)
     gap = np.full((len(line.x), len(line.x)), -1j)
     rate = 1j * sigma / factors.flow
-    pressure = poisson(rate * gap, rate * factors.density)
+    pressure = solve_poisson(rate * gap, rate * factors.density)
     force = -12 / sigma * gradient(pressure)
     spread = divergence(force)
     carried = sum(
-        mean(force[k], np.stack([gradient(component)[k] for component in force])) for k in (0, 1)
+        mean_of_product(force[k], np.stack([gradient(component)[k] for component in force]))
+        for k in (0, 1)
     )
 
     drive = np.zeros((2, *gap.shape))
@@ -120,16 +126,16 @@ def depth_resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> flo
         through = -1j * ((pressure + gap) * zeta - warming * warmth_integral * pressure)
         through = through - speed_integral * spread
         inertia = (
-            mean(pressure - warm, 1j * speed * force)
+            mean_of_product(pressure - warm, 1j * speed * force)
             + abs(speed) ** 2 * carried
-            + mean(through, shear * force)
+            + mean_of_product(through, shear * force)
         )
         drive += weight * (
-            mean(pressure - warm + gap, speed * force)
-            - parabola * (reynolds * inertia + 2 * mean(gap, bend * force))
-            + VISCOSITY_EXPONENT * zeta * mean(warm, shear * force)
+            mean_of_product(pressure - warm + gap, speed * force)
+            - parabola * (reynolds * inertia + 2 * mean_of_product(gap, bend * force))
+            + VISCOSITY_EXPONENT * zeta * mean_of_product(warm, shear * force)
         )
-    second = poisson(sigma * divergence(drive)).real
+    second = solve_poisson(sigma * divergence(drive)).real
     return float(line.weights @ second @ line.weights)
 
 

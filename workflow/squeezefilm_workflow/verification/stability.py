@@ -2,7 +2,7 @@
 
 Verdicts: *solved*, all checks passed; *unchecked*, solved, but no check can be had; *not
 supported*, the solver says so and the film lies where that is documented
-(`films.beyond_region_reason`); *failed*, anything else, with the checks that did not pass.
+(`films.outside_region_reason`); *failed*, anything else, with the checks that did not pass.
 
 A pressure is carried to a finer grid, where the equation is evaluated in another form and another
 program (``numpy_periodic``); the residual is that of discretisation, iteration and code together.
@@ -27,20 +27,20 @@ from squeezefilm.film.validity import check_scene
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import Solution, solve
 from squeezefilm.reynolds.device import Device, choose_device
-from squeezefilm.reynolds.periodic.launch import States
-from squeezefilm.reynolds.spectral import period
+from squeezefilm.reynolds.periodic.launch import PeriodicStates
+from squeezefilm.reynolds.spectral import cached_time_axis
 from squeezefilm.reynolds.terms import terms_label, terms_of
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, is_axisymmetric
 from squeezefilm_workflow.verification.films import (
-    SHAPE_OF_PAD,
-    beyond_region_reason,
+    SHAPE_OF_PAD_NAME,
     films_with_effects,
+    outside_region_reason,
     waves_steepen,
 )
-from squeezefilm_workflow.verification.marching import film_symmetry
+from squeezefilm_workflow.verification.marching import film_symmetry_in_x_and_y
 from squeezefilm_workflow.verification.numpy_periodic import CollocatedFilm
-from squeezefilm_workflow.verification.origin import origin_lines
+from squeezefilm_workflow.verification.origin import origin_comment_lines
 
 TOLERANCE = 1e-4
 # A force is solved for again to this share of the tolerance.
@@ -48,7 +48,7 @@ FINER_TOLERANCE_RATIO = 0.1
 # Nodes and instants of a check over those of the solver's grid.
 FINER_GRID_RATIO = 1.25
 # Points times instants of the other program, whose matrices are dense: a film takes seconds.
-MAX_POINTS_TIMES_INSTANTS = 12_500
+MAX_INDEPENDENT_UNKNOWNS = 12_500
 # What each check may find. The residual is a first-order estimate of the force's error; a film in
 # distress exceeds this by far.
 ALLOWED_DEVIATIONS = {
@@ -71,14 +71,14 @@ def stability_plane(options: argparse.Namespace) -> None:
 
     The films span Re 0.1 to 20, σ 1 to 1e5 and ε 0.1 to 0.9. The exit status is 1 where one fails.
     """
-    films = (("", scene) for pad in SHAPE_OF_PAD for scene in films_with_effects(pad))
-    table = stability(films, device=choose_device())
+    films = (("", scene) for pad in SHAPE_OF_PAD_NAME for scene in films_with_effects(pad))
+    table = stability_table(films, device=choose_device())
     write_table(table, options.output)
-    head = origin_lines("stability-plane --output TABLE.csv --summary SUMMARY.csv")
+    head = origin_comment_lines("stability-plane --output TABLE.csv --summary SUMMARY.csv")
     shown = verdict_summary(table).to_csv(index=False)
     write_text(head + shown, options.summary)
     print(shown)
-    raise_failed_films(table)
+    raise_if_film_failed(table)
 
 
 def verdict_summary(table: pd.DataFrame) -> pd.DataFrame:
@@ -96,7 +96,7 @@ def verdict_summary(table: pd.DataFrame) -> pd.DataFrame:
     return counts.join([compared, largest]).reset_index()
 
 
-def raise_failed_films(table: pd.DataFrame) -> None:
+def raise_if_film_failed(table: pd.DataFrame) -> None:
     """Raise RunError where a film of a table has failed."""
     failed = table[table["verdict"] == "failed"]
     if len(failed):
@@ -104,7 +104,7 @@ def raise_failed_films(table: pd.DataFrame) -> None:
         raise RunError(f"{len(failed)} of {len(table)} cases failed: {named}")
 
 
-def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.DataFrame:
+def stability_table(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.DataFrame:
     """A row for each case: numbers, verdict, every check's deviation, the worst over its bound."""
     rows = []
     for group, scene in chosen:
@@ -117,15 +117,15 @@ def stability(chosen: Iterable[tuple[str, Scene]], *, device: Device) -> pd.Data
             "sigma": round(scene.sigma, 6),
             "bearing_number": round(scene.bearing_number, 6),
             "modified_reynolds": round(scene.modified_reynolds, 6) if inert else 0.0,
-            **_row_of_film(scene, device=device),
+            **_stability_row(scene, device=device),
         }
         print_step(f"{row['case']}: {row['verdict']} {row['reason']}".rstrip())
         rows.append(row)
     return pd.DataFrame(rows)
 
 
-def _row_of_film(scene: Scene, *, device: Device) -> dict[str, Any]:
-    why = beyond_region_reason(scene)
+def _stability_row(scene: Scene, *, device: Device) -> dict[str, Any]:
+    why = outside_region_reason(scene)
     try:
         check_scene(scene)
         (solution,) = solve([scene], tolerance=TOLERANCE, device=device, keep_states=True)
@@ -174,22 +174,22 @@ def _deviations_of_checks(scene: Scene, solution: Solution, *, device: Device) -
         if math.isfinite(independent_n):
             checks["independent_difference"] = abs(solution.force_n / independent_n - 1)
     elif math.isfinite(off):
-        checks |= deviations_of_state(scene, periodic.states[-1])
+        checks |= state_deviations(scene, periodic.states[-1])
     return checks
 
 
 def independent_force(scene: Scene, solution: Solution) -> float:
     """Return the force in newtons of another program on a finer grid than the solution's.
 
-    NaN where it has none: its grid would be larger than MAX_POINTS_TIMES_INSTANTS, it does not
+    NaN where it has none: its grid would be larger than MAX_INDEPENDENT_UNKNOWNS, it does not
     converge, or waves steepen, where it takes minutes to find that out.
     """
     if scene.gas.inertia == "included" and waves_steepen(scene):
         return math.nan
     points = 4 * math.ceil(FINER_GRID_RATIO * (max(solution.nx, solution.ny) + 2) / 4)
     instants = math.ceil(FINER_GRID_RATIO * solution.nt) // 2 * 2 + 1
-    size = instants * points**2 / 2 ** sum(film_symmetry(scene))
-    if size > MAX_POINTS_TIMES_INSTANTS and not is_axisymmetric(scene):
+    size = instants * points**2 / 2 ** sum(film_symmetry_in_x_and_y(scene))
+    if size > MAX_INDEPENDENT_UNKNOWNS and not is_axisymmetric(scene):
         return math.nan
     effects = Effects(
         inertia=scene.gas.inertia == "included",
@@ -202,7 +202,7 @@ def independent_force(scene: Scene, solution: Solution) -> float:
         return math.nan
 
 
-def deviations_of_state(scene: Scene, state: States) -> dict[str, float]:
+def state_deviations(scene: Scene, state: PeriodicStates) -> dict[str, float]:
     """Check a periodic state.
 
     Returns:
@@ -210,11 +210,15 @@ def deviations_of_state(scene: Scene, state: States) -> dict[str, float]:
         relative to the force; blind to what changes the pressure and not its mean, as by symmetry.
         ``state_residual``: root mean square of that correction over the mass perturbation H p.
     """
-    grid, in_time = state.grid, period(state.grid.nt)
-    known = grid.x.full_points, grid.y.full_points, grid.nt
+    grid, in_time = state.grid, cached_time_axis(state.grid.nt)
+    known = grid.x.full_point_count, grid.y.full_point_count, grid.nt
     nx, ny, nt = (2 * math.ceil(0.625 * n) for n in known)  # a quarter more, and even
     finer = CollocatedFilm(scene, nx=nx, ny=ny, nt=nt)
-    at = grid.x.at(finer.x.x[1:-1]), grid.y.at(finer.y.x[1:-1]), in_time.at(period(nt).nodes)
+    at = (
+        grid.x.at(finer.x.x[1:-1]),
+        grid.y.at(finer.y.x[1:-1]),
+        in_time.at(cached_time_axis(nt).nodes),
+    )
     p = np.einsum("xa,yb,ti,abi->xyt", *at, state.unknowns[0], optimize=True)
     correction = finer.preconditioner(p)(finer.residual(p))
     size = finer.mean((finer.gap * p) ** 2)

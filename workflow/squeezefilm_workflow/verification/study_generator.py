@@ -42,10 +42,12 @@ def random_study(seed: int, *, folder: Path, kind: str = "any", **settings: Any)
         kind: one of PROBABILITIES_OF_KIND; a scan is that of a disc or a plate.
         settings: sections of its configuration that are not drawn.
     """
-    values = drawn_values(seed, kind=kind) | settings
+    values = random_study_values(seed, kind=kind) | settings
     if kind == "scan":
         file = folder / f"{values['study']}.csv"
-        file.write_text(_simulated_scan(_study_of_values(values, folder), seed), encoding="utf-8")
+        file.write_text(
+            _simulated_scan_csv(_study_of_values(values, folder), seed), encoding="utf-8"
+        )
         values["actuator"]["profile"] = {"kind": "measured", "file": file.name}
     return _study_of_values(values, folder)
 
@@ -54,7 +56,7 @@ def _study_of_values(values: dict[str, Any], folder: Path) -> Study:
     return Study(parse_config(json.dumps(values), path=folder / f"{values['study']}.yaml"))
 
 
-def drawn_values(seed: int, *, kind: str = "any") -> dict[str, Any]:
+def random_study_values(seed: int, *, kind: str = "any") -> dict[str, Any]:
     """The configuration of a seed's study, as a file would have it; of a scan what is scanned."""
     random = np.random.default_rng(seed)
     pad = _random_pad(random)
@@ -156,13 +158,13 @@ def _random_actuator(
     return {"frequency": _log_uniform(random, FREQUENCY_RANGE_HZ), **surface, "profile": profile}
 
 
-def _simulated_scan(study: Study, seed: int) -> str:
+def _simulated_scan_csv(study: Study, seed: int) -> str:
     """A vibrometer's table of a study's vibration: a raster over its surface, with noise."""
     random = np.random.default_rng(seed)
     surface = study.config.actuator.surface
     sides = (np.linspace(-half_m, half_m, SCAN_POINTS_ACROSS) for half_m in surface.half_extents_m)
     x, y = (values.ravel() for values in np.meshgrid(*sides))
-    on_it = surface.reach(x, y) <= 1
+    on_it = surface.relative_distance(x, y) <= 1
     x, y = x[on_it], y[on_it]
     shape = study.config.read_profile().amplitude(x_m=x, y_m=y)
     measured = shape + SCAN_NOISE_FRACTION * random.standard_normal(len(x))

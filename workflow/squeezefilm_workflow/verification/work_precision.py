@@ -30,25 +30,29 @@ from squeezefilm_workflow.verification.all_effects import (
     force_on_grid,
     grid_sizes_of_scene,
 )
-from squeezefilm_workflow.verification.films import film
+from squeezefilm_workflow.verification.films import film_scene
 from squeezefilm_workflow.verification.marching import periods_to_settle
 from squeezefilm_workflow.verification.reference import ReferenceForce, reference_force
 
-FILMS = (
-    film("ε = 0.1, σ = 20", 0.1, 20.0),
-    film("ε = 0.44, σ = 583", 0.44, 583.0),
-    film("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
-    film("ε = 0.9, σ = 583", 0.9, 583.0),
+TIMED_FILMS = (
+    film_scene("ε = 0.1, σ = 20", 0.1, 20.0),
+    film_scene("ε = 0.44, σ = 583", 0.44, 583.0),
+    film_scene("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
+    film_scene("ε = 0.9, σ = 583", 0.9, 583.0),
     # With inertia and thermal effects.
-    film("disc, Re = 2, ε = 0.4, σ = 100", 0.4, 100.0, shape="ellipse", reynolds=2.0, thermal=True),
-    film("Re = 1, ε = 0.44, σ = 583", 0.44, 583.0, reynolds=1.0, thermal=True),
-    film("off centre, Re = 1, ε = 0.4, σ = 583", 0.4, 583.0, x=0.2, reynolds=1.0, thermal=True),
-    film("Re = 8, ε = 0.2, σ = 100", 0.2, 100.0, reynolds=8.0, thermal=True),
+    film_scene(
+        "disc, Re = 2, ε = 0.4, σ = 100", 0.4, 100.0, shape="ellipse", reynolds=2.0, thermal=True
+    ),
+    film_scene("Re = 1, ε = 0.44, σ = 583", 0.44, 583.0, reynolds=1.0, thermal=True),
+    film_scene(
+        "off centre, Re = 1, ε = 0.4, σ = 583", 0.4, 583.0, x=0.2, reynolds=1.0, thermal=True
+    ),
+    film_scene("Re = 8, ε = 0.2, σ = 100", 0.2, 100.0, reynolds=8.0, thermal=True),
 )
 COMPARED_EFFECTS = Effects(slip="none")
 SOLVER_NAME, BATCH_SOLVER_NAME = "solver", "solver, in a batch"
 MethodSettings = dict[str, Any]
-Methods = dict[str, tuple[Callable[..., float], Callable[[Scene, int], MethodSettings]]]
+MethodFunctions = dict[str, tuple[Callable[..., float], Callable[[Scene, int], MethodSettings]]]
 CLOCK_FUNCTIONS = time.perf_counter, time.process_time, time.thread_time
 
 
@@ -77,7 +81,7 @@ def measure_call_times(
     return result, np.median(times[1:] or times, axis=0)
 
 
-def work_precision(
+def work_precision_table(
     films: tuple[Scene, ...],
     *,
     repeats: int,
@@ -175,13 +179,13 @@ def _independent_mean_force(scene: Scene) -> ReferenceForce:
     if scene.gas.inertia == "none":
         return reference_force(scene)
     fine, coarse = (
-        _solve_dense(scene, points=points, instants=instants)
+        _dense_collocation_force(scene, points=points, instants=instants)
         for points, instants in grid_sizes_of_scene(scene)
     )
     return ReferenceForce(fine, abs(fine - coarse))
 
 
-def _solve_dense(scene: Scene, *, points: int, instants: int) -> float:
+def _dense_collocation_force(scene: Scene, *, points: int, instants: int) -> float:
     force_n = force_on_grid(scene, COMPARED_EFFECTS, points=points, instants=instants)
     return force_n / scene.force_scale_n
 
@@ -211,13 +215,13 @@ def _finite_element_settings(scene: Scene, level: int) -> MethodSettings:
     return {"cells": round(3 * 2 ** (level / 2)), "steps": 8 * 2**level}
 
 
-def _from_rest_settings(scene: Scene, level: int) -> MethodSettings:
+def _start_from_rest_settings(scene: Scene, level: int) -> MethodSettings:
     """Settings of a start from rest until the transient has decayed as far as the other errors."""
     periods = periods_to_settle(sigma=scene.sigma, tolerance=0.1 / 4**level)
     return _finite_element_settings(scene, level) | {"periods": periods}
 
 
-def _accelerated_settings(scene: Scene, level: int) -> MethodSettings:
+def _anderson_settings(scene: Scene, level: int) -> MethodSettings:
     """The change over a period stands for an error that is larger by the number of e-folds."""
     tolerance = 1e-3 * scene.epsilon**2 / 4**level
     settings = {"periods": 60, "tolerance": tolerance, "anderson_depth": 10}
@@ -225,15 +229,15 @@ def _accelerated_settings(scene: Scene, level: int) -> MethodSettings:
 
 
 # Other methods: what gives the mean force in p0 l0^2, and the settings of a path's rungs.
-OTHER_METHODS: Methods = {
+OTHER_METHODS: MethodFunctions = {
     "same algorithm, NumPy, no symmetry": (
         numpy_periodic.periodic_mean_force,
         _collocation_settings,
     ),
-    "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_force, _chebyshev_march_settings),
-    "finite elements, Anderson": (finite_elements.periodic_force, _accelerated_settings),
-    "finite elements from rest": (finite_elements.periodic_force, _from_rest_settings),
+    "Chebyshev, Radau, Anderson": (chebyshev_march.periodic_mean_force, _chebyshev_march_settings),
+    "finite elements, Anderson": (finite_elements.periodic_mean_force, _anderson_settings),
+    "finite elements from rest": (finite_elements.periodic_mean_force, _start_from_rest_settings),
 }
-OTHER_METHODS_WITH_EFFECTS: Methods = {
-    "collocation, dense matrices": (_solve_dense, _dense_settings)
+OTHER_METHODS_WITH_EFFECTS: MethodFunctions = {
+    "collocation, dense matrices": (_dense_collocation_force, _dense_settings)
 }

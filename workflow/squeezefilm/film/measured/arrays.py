@@ -9,10 +9,12 @@ import numpy as np
 from squeezefilm.errors import InputError
 
 ARRAY_SUFFIXES = (".mat", ".npy", ".npz")
-ARRAYS_FORM = "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
+ARRAYS_FORMAT_TEXT = (
+    "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
+)
 
 
-def array_lines(path: Path) -> list[str]:
+def arrays_as_table_lines(path: Path) -> list[str]:
     """The lines of a table: the names of the arrays of most values, and these.
 
     Raises:
@@ -26,7 +28,7 @@ def array_lines(path: Path) -> list[str]:
     most = max((len(values) for values in arrays.values()), default=0)
     columns = {name: values for name, values in arrays.items() if len(values) == most}
     if len(columns) < 2:
-        raise InputError(f"a scan in such a file is {ARRAYS_FORM}")
+        raise InputError(f"a scan in such a file is {ARRAYS_FORMAT_TEXT}")
     texts = ([str(value).strip("()") for value in values] for values in columns.values())
     return ["\t".join(columns), *map("\t".join, zip(*texts, strict=True))]
 

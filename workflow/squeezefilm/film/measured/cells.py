@@ -68,7 +68,7 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         cells = cells.mask(
             with_unit, cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
         )
-    cells = _without_thousands(cells)
+    cells = _without_thousands_separators(cells)
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():
         line, cell = next(cells[point].items())
@@ -83,7 +83,7 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
     if parts.any():
         values = values.astype(complex)
         values[parts] = cells[parts].map(_parse_complex)
-    if column.decibels:
+    if column.in_decibels:
         values = 10 ** (values / 20)
     finite = values.abs() * (column.size or 1.0) <= MAX_FINITE_VALUE
     for line, cell in cells[~finite][:1].items():
@@ -91,7 +91,7 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
     return values * (column.size or 1.0)
 
 
-def _without_thousands(cells: pd.Series) -> pd.Series:
+def _without_thousands_separators(cells: pd.Series) -> pd.Series:
     """Cells without blanks and signs between thousands, where a cell with both signs tells them."""
     cells = cells.str.replace(r"(?<=\d)[\s'’](?=\d{3}(?!\d))", "", regex=True)
     for decimal, between in ((",", "."), (".", ",")):

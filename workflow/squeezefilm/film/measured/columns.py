@@ -19,8 +19,8 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text
-from squeezefilm.film.measured.scan import nearest_spectral_line
-from squeezefilm.headers import fold_accents, normalised_unit, words_and_unit
+from squeezefilm.film.measured.scan import MAX_MODE_DISTANCE_FRACTION, nearest_spectral_line
+from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
 from squeezefilm.units import unit_sizes
 
 LENGTH_UNITS_M = {fold_accents(name): size for name, size in unit_sizes("m").items()}
@@ -42,19 +42,19 @@ COORDINATE_UNITS = dict.fromkeys(("x", "y", "r"), LENGTH_UNITS_M) | {"phi": ANGL
 AMPLITUDE_UNITS = dict.fromkeys(("amplitude", "real", "imaginary"), MOTION_UNITS) | {
     "phase": ANGLE_UNITS_RAD
 }
-UNIT_SIZES = COORDINATE_UNITS | AMPLITUDE_UNITS | {"sign": {"": 1.0}}
+UNITS_OF_SCAN_QUANTITY = COORDINATE_UNITS | AMPLITUDE_UNITS | {"sign": {"": 1.0}}
 """What a scan is read from, each with its units, in small letters, and their sizes."""
-UNITS_OF_QUANTITY = UNIT_SIZES | {
+UNITS_OF_QUANTITY = UNITS_OF_SCAN_QUANTITY | {
     "normal": MOTION_UNITS,
     "frequency": FREQUENCY_UNITS_HZ,
     "time": unit_sizes("s"),
 }
 ROW_STATUS_QUANTITIES = ("status", "valid", "invalid")
-UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "level": {}} | {
+UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "height": LENGTH_UNITS_M, "level": {}} | {
     name: {} for name in ROW_STATUS_QUANTITIES
 }
-"""The same, with the amplitude along z, what rows of a place may differ by, a place on a line, a
-motion in decibels, and whether a row is valid."""
+"""The same, with the amplitude along z, what rows of a place may differ by, a place on a line or
+along z, a motion in decibels, and whether a row is valid."""
 MOTION_QUANTITIES = {name for name, units in UNITS_OF_QUANTITY.items() if units is MOTION_UNITS}
 ALL_UNITS = {*MOTION_UNITS, *ANGLE_UNITS_RAD, *FREQUENCY_UNITS_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
@@ -64,12 +64,12 @@ AT_FREQUENCY_PATTERN = re.compile(
     r"@.*freq[^=]*=\s*(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:[-+][-+\d.eE]+i)?\s*([A-Za-z]*)"
 )
 """How a program writes the frequency at which a column was solved, of a mode a complex one."""
-DECIBELS = re.compile(
+DECIBELS_PATTERN = re.compile(
     r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*"
-    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*)"
+    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*(?: \S+)?)"
 )
-"""Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``."""
-RATIO_IN_UNIT = re.compile(
+"""Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``, ``dB/1.00n m/s``."""
+RMS_OR_PEAK_UNIT_PATTERN = re.compile(
     r"\s*([\[(][^\[\]()]+?)[\s_(]+(rms|eff|pk-?pk|p-?p|0-?pk?|peak|pk)\)?([\])])$", re.IGNORECASE
 )
 """An effective value or an extent that stands behind the unit: ``[mm/s RMS]``, ``(um p-p)``."""
@@ -77,24 +77,26 @@ RATIO_IN_UNIT = re.compile(
 _WORDS_CSV_ROWS = csv.reader(
     read_text(Path(__file__).with_name("words.csv"), what="list of words").splitlines()[1:]
 )
-WORDS = {meaning: fold_accents(words).split(";") for meaning, words in _WORDS_CSV_ROWS}
+WORDS_OF_MEANING = {meaning: fold_accents(words).split(";") for meaning, words in _WORDS_CSV_ROWS}
 QUANTITY_OF_WORDS = {
     frozenset(words.split()): quantity
     for quantity in UNITS_OF_QUANTITY
-    for words in WORDS.get(quantity, ())
+    for words in WORDS_OF_MEANING.get(quantity, ())
 }
-MOTION_WORDS_BY_KIND = [{*WORDS[name]} for name in MOTION_NAMES]
+MOTION_WORDS_BY_KIND = [{*WORDS_OF_MEANING[name]} for name in MOTION_NAMES]
 MOTION_WORDS, COMPONENT_WORDS = (
-    {*WORDS["normal"]}.union(*MOTION_WORDS_BY_KIND),
-    {*WORDS["component"]},
+    {*WORDS_OF_MEANING["normal"]}.union(*MOTION_WORDS_BY_KIND),
+    {*WORDS_OF_MEANING["component"]},
 )
-DIRECTION_WORDS, IGNORED_WORDS = {*WORDS["direction"]}, {*WORDS["beside"]}
+DIRECTION_WORDS, IGNORED_WORDS = {*WORDS_OF_MEANING["direction"]}, {*WORDS_OF_MEANING["beside"]}
 # The motion that letters alone are, by the power of the angular frequency, if their unit fits.
 OMEGA_POWER_OF_LETTER = {"u": 0, "dz": 0, "v": 1, "a": 2}
 # The amplitude of a harmonic motion over its effective value, its extent from peak to peak, itself.
-AMPLITUDE_RATIOS = {"rms": math.sqrt(2), "span": 0.5, "peak": 1.0}
-AMPLITUDE_RATIO_OF_WORDS = [
-    (words.split(), ratio) for kind, ratio in AMPLITUDE_RATIOS.items() for words in WORDS[kind]
+AMPLITUDE_FACTORS = {"rms": math.sqrt(2), "span": 0.5, "peak": 1.0}
+AMPLITUDE_FACTOR_OF_WORDS = [
+    (words.split(), ratio)
+    for kind, ratio in AMPLITUDE_FACTORS.items()
+    for words in WORDS_OF_MEANING[kind]
 ]
 
 
@@ -103,10 +105,10 @@ class ScanColumn:
     """A quantity, the unit it is in ("" if none is named), its place in a row, and its name.
 
     ``size`` is the unit's in SI units and radians; None of one that the quantity has not.
-    ``amplitude_ratio`` is the amplitude over what the column has: √2 for effective values.
+    ``amplitude_factor`` is the amplitude over what the column has: √2 for effective values.
     ``power`` is that of the angular frequency by which a motion in the unit is larger than a
-    displacement, and ``named_power`` the same by the column's words, None if they do not say. In
-    ``decibels`` the size is the reference's.
+    displacement, and ``omega_power_of_name`` the same by the column's words, None if they do not
+    say. In ``in_decibels`` the size is the reference's.
     """
 
     quantity: str
@@ -114,15 +116,15 @@ class ScanColumn:
     size: float | None
     column_index: int
     name: str
-    amplitude_ratio: float = 1.0
+    amplitude_factor: float = 1.0
     power: int = 0
-    named_power: int | None = None
-    decibels: bool = False
+    omega_power_of_name: int | None = None
+    in_decibels: bool = False
 
     @property
     def usual_unit(self) -> str:
         """The unit that a message suggests."""
-        return USUAL_UNITS.get(self.quantity, USUAL_MOTION_UNITS[self.named_power or 0])
+        return USUAL_UNITS.get(self.quantity, USUAL_MOTION_UNITS[self.omega_power_of_name or 0])
 
     @property
     def frequency_hz(self) -> float | None:
@@ -134,9 +136,9 @@ class ScanColumn:
 
 def quantity_of_words(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
-    core = {*words} - IGNORED_WORDS or {*words} & {*WORDS["line"]} or {*words[:1]}
+    core = {*words} - IGNORED_WORDS or {*words} & {*WORDS_OF_MEANING["line"]} or {*words[:1]}
     if core & MOTION_WORDS:
-        core -= {*WORDS["input"]}
+        core -= {*WORDS_OF_MEANING["beside_motion"]}
     if quantity := QUANTITY_OF_WORDS.get(frozenset(words)) or QUANTITY_OF_WORDS.get(
         frozenset(core)
     ):
@@ -156,8 +158,10 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
 
 def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
-    for words, unit in words_and_unit(RATIO_IN_UNIT.sub(r" \2 \1\3", name), ALL_UNITS):
-        words, ratio = _split_amplitude_ratio(words)
+    for words, unit in possible_words_and_units(
+        RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", name), ALL_UNITS
+    ):
+        words, ratio = _split_amplitude_factor(words)
         quantity = quantity_of_words(words)
         if {*words} - IGNORED_WORDS == {"z"} and OMEGA_POWER_OF_UNIT.get(unit):
             quantity = "normal"
@@ -178,21 +182,23 @@ def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
 
 def _decibel_reference(unit: str) -> tuple[float | None, int]:
     """The size of the motion that is 0 dB, None if the unit does not tell, and its power of ω."""
-    match = DECIBELS.fullmatch(unit)
-    named = normalised_unit(match[2]) if match else ""
+    match = DECIBELS_PATTERN.fullmatch(unit)
+    named = normalised_unit(match[2]).replace(" ", "") if match else ""
     if match is None or named not in MOTION_UNITS:
         return None, 0
     return float(match[1] or 1) * MOTION_UNITS[named], OMEGA_POWER_OF_UNIT[named]
 
 
-def _split_amplitude_ratio(words: list[str]) -> tuple[list[str], float]:
-    """Words of an amplitude in place of those of AMPLITUDE_RATIO_OF_WORDS, and its ratio to what
+def _split_amplitude_factor(words: list[str]) -> tuple[list[str], float]:
+    """Words of an amplitude in place of those of AMPLITUDE_FACTOR_OF_WORDS, and its ratio to what
     they name."""
-    for named, ratio in AMPLITUDE_RATIO_OF_WORDS:
+    for named, ratio in AMPLITUDE_FACTOR_OF_WORDS:
         for at in range(len(words)):
             if words[at : at + len(named)] == named:
                 rest = [*words[:at], *words[at + len(named) :]]
-                return rest + ["amplitude"] * (not {*rest} & {*WORDS["amplitude"]}), ratio
+                return rest + ["amplitude"] * (
+                    not {*rest} & {*WORDS_OF_MEANING["amplitude"]}
+                ), ratio
     return words, 1.0
 
 
@@ -253,20 +259,22 @@ def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> l
     known = {column.quantity for column in named}
     if not known & {*COORDINATE_UNITS}:
         named = [replace(each, quantity="x") if each.quantity == "line" else each for each in named]
-    letters = [each for at, name in enumerate(header) if (each := _motion_of_letter(name, at))]
+    letters = [
+        each for at, name in enumerate(header) if (each := _motion_column_of_letter(name, at))
+    ]
     if known & MOTION_QUANTITIES:
         return named + [each for each in letters if each.unit]
     levels = [
-        replace(each, quantity="amplitude", unit="db", decibels=True)
+        replace(each, quantity="amplitude", unit="db", in_decibels=True)
         for each in named
         if each.quantity == "level"
     ]
     return named + (letters or levels)
 
 
-def _motion_of_letter(name: str, place: int) -> ScanColumn | None:
+def _motion_column_of_letter(name: str, place: int) -> ScanColumn | None:
     """The motion that a cell names by a letter, and its unit if it has one: ``v [m/s]``."""
-    for words, unit in words_and_unit(name, ALL_UNITS):
+    for words, unit in possible_words_and_units(name, ALL_UNITS):
         power = OMEGA_POWER_OF_LETTER.get(words[0]) if len(words) == 1 else None
         if power is not None and (not unit or OMEGA_POWER_OF_UNIT.get(unit) == power):
             return ScanColumn(
@@ -278,14 +286,16 @@ def _motion_of_letter(name: str, place: int) -> ScanColumn | None:
 def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
     """Problems of the columns' units, all at once, each with what is allowed."""
     lacking = [column for column in columns if not column.size]
-    levels = [column for column in lacking if column.decibels]
+    levels = [column for column in lacking if column.in_decibels]
     unknown = [each for each in lacking if each.unit and each not in levels]
     bare = [column for column in lacking if not column.unit and column not in levels]
     problems = [
-        f"{each.name!r} is {MOTION_NAMES[each.named_power]} by its name and "
+        f"{each.name!r} is {MOTION_NAMES[each.omega_power_of_name]} by its name and "
         f"{MOTION_NAMES[each.power]} by its unit; correct one of them"
         for each in columns
-        if each.size and each.quantity != "phase" and each.named_power not in (None, each.power)
+        if each.size
+        and each.quantity != "phase"
+        and each.omega_power_of_name not in (None, each.power)
     ]
     shape = "of a motion only the shape counts, so that a constant factor may be wrong"
     if levels:
@@ -337,13 +347,19 @@ def _columns_at_frequency(
 ) -> tuple[list[ScanColumn], list[str]]:
     """The columns at the actuator's frequency, and all that have none, and a note."""
     lines_hz = np.array([each.frequency_hz for each in named if each.frequency_hz is not None])
-    if len(set(lines_hz)) < 2:
-        return named, []
-    if frequency_hz is None:
+    several = len(set(lines_hz)) > 1
+    if frequency_hz is None and several:
         raise InputError("columns at several frequencies need the actuator's frequency")
+    if frequency_hz is None or not len(lines_hz):
+        return named, []
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
-    if far:
+    if far and several:
         raise InputError(f"the columns' frequencies: {far}")
+    if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION:
+        raise InputError(
+            f"the columns are at {line_hz:.7g} Hz, and the actuator vibrates at "
+            f"{frequency_hz:.7g} Hz (actuator.frequency)"
+        )
     kept = [each for each in named if each.frequency_hz in (None, line_hz)]
     return kept, [f"columns at {line_hz:.7g} Hz"]
 

@@ -10,9 +10,9 @@ import numpy as np
 from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
 from squeezefilm.film.measured.scan import MIN_SCAN_POINTS, Scan
 from squeezefilm.film.measured.table import read_table
-from squeezefilm.film.measured.universal import read_universal
+from squeezefilm.film.measured.universal import read_universal_file
 
-UNIVERSAL_SUFFIXES = (".uff", ".unv", ".uf", ".bunv")
+UNIVERSAL_FILE_SUFFIXES = (".uff", ".unv", ".uf", ".bunv")
 
 
 def read_scan(
@@ -38,7 +38,9 @@ def read_scan(
     if not path.exists():
         raise InputError(f"{path}: there is no such scan")
     with prefix_errors(path):
-        reader = read_universal if path.suffix.lower() in UNIVERSAL_SUFFIXES else read_table
+        reader = (
+            read_universal_file if path.suffix.lower() in UNIVERSAL_FILE_SUFFIXES else read_table
+        )
         scan = reader(path, frequency_hz, rows)
     x_m, y_m = scan.x_m - origin_m[0], scan.y_m - origin_m[1]
     scan = replace(scan, x_m=x_m, y_m=y_m, origin_m=origin_m)

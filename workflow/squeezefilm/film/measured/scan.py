@@ -13,11 +13,13 @@ from squeezefilm.errors import InputError
 
 # In metres or radians. Writers of universal files, pyuff too, put 1.8e308 for infinity.
 MAX_FINITE_VALUE = 1e9
-MIN_SCAN_POINTS, MAX_POINTS_NAMED = 8, 6
+MIN_SCAN_POINTS, MAX_LISTED_ITEMS = 8, 6
 # Places closer than this are one.
-SAME_POSITION_M = 1e-6
+SAME_POSITION_DISTANCE_M = 1e-6
 # From the frequency, in distances between lines; of a file with one line as a share of it.
-MAX_LINE_DISTANCE_IN_SPACINGS, MAX_LINE_DISTANCE_FRACTION = 0.6, 0.01
+MAX_OFFSET_IN_LINE_SPACINGS, MAX_FREQUENCY_OFFSET_FRACTION = 0.6, 0.01
+# Of a model's mode, which need not be where the actuator's is.
+MAX_MODE_DISTANCE_FRACTION = 0.1
 FREQUENCY_NEEDED_MESSAGE = "velocities and spectra need the actuator's frequency"
 
 
@@ -25,11 +27,11 @@ FREQUENCY_NEEDED_MESSAGE = "velocities and spectra need the actuator's frequency
 class Scan:
     """Measured points in metres and the complex amplitude there, each of shape (points,).
 
-    Without angles it is ``radial``, on a line through the centre. ``origin_m`` is the centre in the
-    coordinates of the file.
+    Without angles it is ``is_radial``, on a line through the centre. ``origin_m`` is the centre in
+    the coordinates of the file.
     ``lines`` are the rows' places in the file and ``missing`` counts points without an amplitude.
-    ``signed`` tells whether phase, sign or an amplitude below zero tells on which side of a node a
-    point is. ``notes`` say how the file was read.
+    ``has_phase_or_sign`` tells whether phase, sign or an amplitude below zero tells on which side
+    of a node a point is. ``notes`` say how the file was read.
     """
 
     path: Path
@@ -38,15 +40,15 @@ class Scan:
     amplitude_m: np.ndarray
     lines: np.ndarray
     missing: int
-    signed: bool
+    has_phase_or_sign: bool
     notes: tuple[str, ...] = ()
-    radial: bool = False
+    is_radial: bool = False
     origin_m: tuple[float, float] = (0.0, 0.0)
 
 
 def list_text(places: Sequence[object]) -> str:
     """Places in a file, or values, the first of many."""
-    return ", ".join(map(str, places[:MAX_POINTS_NAMED])) + ", …" * (len(places) > MAX_POINTS_NAMED)
+    return ", ".join(map(str, places[:MAX_LISTED_ITEMS])) + ", …" * (len(places) > MAX_LISTED_ITEMS)
 
 
 def missing_points_note(places: Sequence[int], *, what: str) -> list[str]:
@@ -69,8 +71,8 @@ def nearest_spectral_line(lines_hz: np.ndarray, frequency_hz: float) -> tuple[fl
     line_hz = float(lines_hz[np.argmin(np.abs(lines_hz - frequency_hz))])
     steps_hz = np.diff(np.sort(lines_hz))
     farthest = (
-        MAX_LINE_DISTANCE_IN_SPACINGS * steps_hz.max(initial=0.0)
-        or MAX_LINE_DISTANCE_FRACTION * frequency_hz
+        MAX_OFFSET_IN_LINE_SPACINGS * steps_hz.max(initial=0.0)
+        or MAX_FREQUENCY_OFFSET_FRACTION * frequency_hz
     )
     far = (
         f"its lines go from {lines_hz.min():.7g} to {lines_hz.max():.7g} Hz, and the actuator "

@@ -30,20 +30,20 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
-from squeezefilm.files import atomic_file, digest
+from squeezefilm.files import atomic_file, file_digest
 from squeezefilm.film.measured.read import read_scan
-from squeezefilm.film.measured.scan import SAME_POSITION_M, Scan
-from squeezefilm.film.profiles import Modes, largest_magnitude
-from squeezefilm.film.surfaces import Orders, Surface
+from squeezefilm.film.measured.scan import SAME_POSITION_DISTANCE_M, Scan
+from squeezefilm.film.profiles import ModeSum, largest_magnitude
+from squeezefilm.film.surfaces import ModeOrders, Surface
 
 MAX_MODE_DEGREE = 24
 # The fewest points per mode that cross-validation looks at, and for degrees above its best one.
 MIN_POINTS_PER_MODE, MIN_POINTS_PER_EXTRA_MODE = 1.5, 3
 MAX_CONDITION_NUMBER = 1e8
 # One less the leverage of a point that others determine too.
-MIN_LEFT_BY_LEVERAGE = 1e-6
+MIN_ONE_MINUS_LEVERAGE = 1e-6
 # Degrees above the best by cross-validation, so that the misfit is small beside the noise.
-EXTRA_DEGREES = 2
+EXTRA_MODE_DEGREES = 2
 # An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
 # the points that this is looked at with.
 MAX_RESIDUAL_RATIO_WITH_ANGLES, MAX_POINTS_FOR_ANGLE_CHECK = 0.5, 2000
@@ -52,18 +52,20 @@ MAX_PROFILE_ERROR = 0.25
 # Nor is one that has no measured point within this share of a disc's radius, or of half a
 # rectangle's shorter side.
 MAX_HOLE_RADIUS_FRACTION = 0.35
+# Points of a half of the surface reach so far into the other one, over its half side.
+MAX_PART_OVERLAP_FRACTION = 0.1
 # What the smooth motion out of phase may do to forces, as a share, and be neglected.
 MAX_QUADRATURE_FORCE_CHANGE = 1e-3
 # A point is far from the rest beyond this many standard deviations of the noise, and never if it is
 # nearer than this share of the largest amplitude: that may be the profile's own fine structure.
-OUTLIER_STANDARD_DEVIATIONS, MIN_OUTLIER_FRACTION = 4.5, 0.005
+OUTLIER_STANDARD_DEVIATIONS, MIN_OUTLIER_RESIDUAL_RATIO = 4.5, 0.005
 # More such points, as a share, are no outliers.
-MAX_OUTLIER_SHARE_OF_POINTS = 0.05
+MAX_OUTLIER_POINT_FRACTION = 0.05
 MAX_OUTLIER_REFITS = 20
 # A maximum so far above the largest at the measured points is extrapolated.
 MAX_OVERSHOOT_RATIO = 1.05
 # Draws of noise by which the bias of the maximum is estimated.
-PEAK_BIAS_DRAWS, PEAK_BIAS_SEED = 200, 1
+PEAK_BIAS_DRAW_COUNT, PEAK_BIAS_SEED = 200, 1
 # A place may be the largest if it is lower by no more than this many standard errors.
 RIVAL_PEAK_STANDARD_ERRORS = 2.0
 UNSIGNED_WARNING = (
@@ -89,23 +91,23 @@ class SmoothedScan:
         noise_m: standard deviation of the noise, from the residuals.
         quadrature: rms share of the motion that is out of phase, its noise included.
         fit: the modes' least squares.
-        measured_m: the points' amplitudes, turned to the phase of most of the motion; complex where
-            the profile is, else the part in this phase.
-        scale_modes: the modes where the maximum is taken, shape (modes, places).
-        outliers: which of them lie further from the rest than noise does; they are not fitted.
+        measured_amplitude_m: the points' amplitudes, turned to the phase of most of the motion;
+            complex where the profile is, else the part in this phase.
+        peak_search_modes: the modes where the maximum is taken, shape (modes, places).
+        outlier_mask: which of them lie further from the rest than noise does; they are not fitted.
     """
 
     scan: Scan
-    profile: Modes
-    out_of_phase: Modes
+    profile: ModeSum
+    out_of_phase: ModeSum
     peak_m: float
     peak_bias_m: float
     noise_m: float
     quadrature: float
-    fit: Fit
-    measured_m: np.ndarray
-    outliers: np.ndarray
-    scale_modes: np.ndarray
+    fit: ModeFit
+    measured_amplitude_m: np.ndarray
+    outlier_mask: np.ndarray
+    peak_search_modes: np.ndarray
 
     def standard_error(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Standard error of the profile, of each part of a complex one, over its maximum."""
@@ -115,23 +117,25 @@ class SmoothedScan:
     def mode_misfit(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Estimate the part of modes that the points do not determine, over the maximum."""
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
-        return np.asarray(np.abs(modes @ self.fit.misfit_m) / self.peak_m)
+        return np.asarray(np.abs(modes @ self.fit.misfit_coefficients_m) / self.peak_m)
 
     @property
-    def profiles_with_misfit(self) -> list[Modes]:
+    def profiles_with_misfit(self) -> list[ModeSum]:
         """The profiles with so much more and less, over their maxima; none without a misfit."""
-        misfit_m = self.fit.misfit_m
+        misfit_m = self.fit.misfit_coefficients_m
         if not np.any(misfit_m):
             return []
         raw_m = self.peak_m * np.array(self.profile.coefficients)
         return self._scaled_profiles(np.array([raw_m + misfit_m, raw_m - misfit_m]))
 
-    def _scaled_profiles(self, coefficients_m: np.ndarray) -> list[Modes]:
+    def _scaled_profiles(self, coefficients_m: np.ndarray) -> list[ModeSum]:
         """Profiles of coefficients, shape (profiles, modes), scaled as this one is."""
         raw_m = self.peak_m * np.array(self.profile.coefficients)
         # The finer search for the maximum moves it by as little for each.
-        finer = (self.peak_m + self.peak_bias_m) / _largest_of_sums(raw_m, self.scale_modes)
-        peaks_m = _largest_of_sums(coefficients_m, self.scale_modes) * finer - self.peak_bias_m
+        finer = (self.peak_m + self.peak_bias_m) / _largest_mode_sum(raw_m, self.peak_search_modes)
+        peaks_m = (
+            _largest_mode_sum(coefficients_m, self.peak_search_modes) * finer - self.peak_bias_m
+        )
         return [
             replace(self.profile, coefficients=tuple((coefficients / peak).tolist()))
             for coefficients, peak in zip(coefficients_m, peaks_m, strict=True)
@@ -141,21 +145,21 @@ class SmoothedScan:
     def residual_m(self) -> np.ndarray:
         """Return the residuals of the measured amplitudes, in metres."""
         fitted = self.profile.amplitude(x_m=self.scan.x_m, y_m=self.scan.y_m)
-        return np.asarray(self.measured_m - self.peak_m * fitted)
+        return np.asarray(self.measured_amplitude_m - self.peak_m * fitted)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Return the warnings and notes on the scan, a line each."""
-        unsigned = [f"warning: {UNSIGNED_WARNING}"] * (not self.scan.signed)
+        unsigned = [f"warning: {UNSIGNED_WARNING}"] * (not self.scan.has_phase_or_sign)
         return (*unsigned, *(f"note: {note}" for note in self.scan.notes))
 
-    def residual_bootstrap(self, *, count: int, seed: int) -> list[Modes]:
+    def bootstrap_profiles(self, *, count: int, seed: int) -> list[ModeSum]:
         """Profiles that scans with other noise would have given: residuals drawn again.
 
         The residuals are widened by √(points/(points − modes)) to the noise's size, which their
         fit has shrunk (Davison and Hinkley, Bootstrap Methods, 1997, 6.2).
         """
-        surface, orders, fitted = self.profile.surface, self.profile.orders, ~self.outliers
+        surface, orders, fitted = self.profile.surface, self.profile.orders, ~self.outlier_mask
         basis = surface.modes_at(orders, self.scan.x_m[fitted], self.scan.y_m[fitted])
         points, modes = basis.shape
         residual = self.residual_m[fitted]
@@ -168,7 +172,7 @@ class SmoothedScan:
         return self._scaled_profiles(drawn_m)
 
 
-def smoothed_scan(
+def smoothed_scan_of_file(
     path: Path,
     *,
     frequency_hz: float | None = None,
@@ -203,7 +207,7 @@ def smooth_scan(
     """
     check_points(scan, surface, axisymmetric=axisymmetric, sign=sign)
     scan = limit_point_count(average_repeated_points(scan))
-    points = Points(surface, axisymmetric, scan.x_m, scan.y_m)
+    points = ScanPoints(surface, axisymmetric, scan.x_m, scan.y_m)
     # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
     # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
@@ -223,41 +227,44 @@ def smooth_scan(
     freedom = (1 + np.iscomplexobj(measured)) * (kept.sum() - len(fit.orders))
     noise_m = float(np.linalg.norm((measured - smooth)[kept]) / math.sqrt(freedom))
 
-    def profile_of(fit: Fit, size_m: float) -> Modes:
-        return Modes(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
+    def scaled_profile_of_fit(fit: ModeFit, size_m: float) -> ModeSum:
+        return ModeSum(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
 
-    largest_m, at_points = _largest_of_profile(profile_of(fit, 1.0)), fitted.modes(fit.orders).T
+    largest_m, at_points = (
+        _largest_profile_magnitude(scaled_profile_of_fit(fit, 1.0)),
+        fitted.modes(fit.orders).T,
+    )
     if scale == "measured":
-        scale_modes, peak_m = at_points, float(_largest_of_sums(fit.coefficients, at_points))
+        scale_modes, peak_m = at_points, float(_largest_mode_sum(fit.coefficients, at_points))
     else:
         scale_modes, peak_m = _modes_on_net(fit.orders, surface), largest_m
         note = extrapolated_maximum_note(fit, surface, at_points=at_points, noise_m=noise_m)
         scan = replace(scan, notes=(*scan.notes, *note))
     bias_m = min(_peak_bias_m(fit, noise_m, scale_modes), MAX_PROFILE_ERROR * peak_m)
     peak_m -= bias_m
-    if axisymmetric and not scan.radial:
+    if axisymmetric and not scan.is_radial:
         scan = replace(
             scan, notes=(*scan.notes, *angular_variation_note(points, measured.real, fit))
         )
     result = SmoothedScan(
         scan=scan,
-        profile=replace(profile_of(fit, peak_m), largest=largest_m / peak_m),
-        out_of_phase=profile_of(other, peak_m),
+        profile=replace(scaled_profile_of_fit(fit, peak_m), largest=largest_m / peak_m),
+        out_of_phase=scaled_profile_of_fit(other, peak_m),
         peak_m=peak_m,
         peak_bias_m=bias_m,
         noise_m=noise_m,
         quadrature=quadrature,
         fit=fit,
-        measured_m=turn * measured,
-        outliers=~kept,
-        scale_modes=scale_modes,
+        measured_amplitude_m=turn * measured,
+        outlier_mask=~kept,
+        peak_search_modes=scale_modes,
     )
     _reject_undetermined_profile(result, axisymmetric=axisymmetric)
     return result
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class ScanPoints:
     """Measurement points of a scan.
 
     Attributes:
@@ -273,19 +280,19 @@ class Points:
     wave_ratio: float = 1.0
 
     @cached_property
-    def with_each_mode_family(self) -> list[Points]:
+    def with_each_mode_family(self) -> list[ScanPoints]:
         """The same points with each family of the surface's modes."""
         return [replace(self, wave_ratio=ratio) for ratio in self.surface.wave_ratios]
 
-    def subset_of_points(self, rows: np.ndarray | slice) -> Points:
+    def subset_of_points(self, rows: np.ndarray | slice) -> ScanPoints:
         """Some of the points."""
         return replace(self, x_m=self.x_m[rows], y_m=self.y_m[rows])
 
-    def modes(self, orders: Orders) -> np.ndarray:
+    def modes(self, orders: ModeOrders) -> np.ndarray:
         """Values of modes at the points, shape (points, modes)."""
         return self.surface.modes_at(orders, self.x_m, self.y_m)
 
-    def orders_up_to(self, degree: int, *, degrees_more: int = 0) -> Orders:
+    def orders_up_to(self, degree: int, *, degrees_more: int = 0) -> ModeOrders:
         """The family's modes up to a degree, and so many degrees more along every side."""
         return self.surface.orders_up_to(
             degree,
@@ -295,7 +302,7 @@ class Points:
         )
 
     @cached_property
-    def orders(self) -> dict[int, Orders]:
+    def orders(self) -> dict[int, ModeOrders]:
         """The modes up to each degree that so many points allow.
 
         Those of a degree come before those of the next.
@@ -313,34 +320,35 @@ class Points:
 
 
 @dataclass(frozen=True)
-class Fit:
+class ModeFit:
     """Least squares on the modes up to one degree.
 
-    ``score`` is the least rms error, over degrees, at held-out points, and ``root`` (modes, modes)
-    the factor by which the points' noise enters the coefficients: their covariance is
-    noise² root rootᵀ. ``misfit_m``, coefficients too, estimates what degrees add that
-    the points do not determine; it is zero where EXTRA_DEGREES above the best degree are taken.
+    ``leave_one_out_error`` is the least rms error, over degrees, at held-out points, and ``root``
+    (modes, modes) the factor by which the points' noise enters the coefficients: their covariance
+    is noise² root rootᵀ. ``misfit_coefficients_m``, coefficients too, estimates what degrees add
+    that the points do not determine; it is zero where EXTRA_MODE_DEGREES above the best degree are
+    taken.
     """
 
     degree: int
-    orders: Orders
+    orders: ModeOrders
     coefficients: np.ndarray
     root: np.ndarray
-    score: float
-    misfit_m: np.ndarray
+    leave_one_out_error: float
+    misfit_coefficients_m: np.ndarray
 
 
-def best_mode_fit(points: Points, measured: np.ndarray) -> Fit:
+def best_mode_fit(points: ScanPoints, measured: np.ndarray) -> ModeFit:
     """Least squares by the family of modes of least leave-one-out error.
 
     Raises InputError where the points determine no profile.
     """
-    fits = [_best_of_family(family, measured) for family in points.with_each_mode_family]
-    return min(fits, key=lambda fit: fit.score)
+    fits = [_best_fit_of_mode_family(family, measured) for family in points.with_each_mode_family]
+    return min(fits, key=lambda fit: fit.leave_one_out_error)
 
 
-def _best_of_family(points: Points, measured: np.ndarray) -> Fit:
-    """Least squares, EXTRA_DEGREES above the degree of least leave-one-out error.
+def _best_fit_of_mode_family(points: ScanPoints, measured: np.ndarray) -> ModeFit:
+    """Least squares, EXTRA_MODE_DEGREES above the degree of least leave-one-out error.
 
     The error at a left-out point is e/(1 − h), h its leverage, without fitting again (Allen's
     PRESS).
@@ -365,18 +373,18 @@ def _best_of_family(points: Points, measured: np.ndarray) -> Fit:
     degree, root = best + more, np.linalg.inv(triangle)
     coefficients = root @ (orthogonal.T @ measured)
     misfit_m = np.zeros_like(coefficients)
-    if EXTRA_DEGREES <= degree < min(best + EXTRA_DEGREES, MAX_MODE_DEGREE):
+    if EXTRA_MODE_DEGREES <= degree < min(best + EXTRA_MODE_DEGREES, MAX_MODE_DEGREE):
         # The change by the last degrees, by so much less as errors at held-out points fall on half
         # the way to them.
-        lower_orders = points.orders[degree - EXTRA_DEGREES]
+        lower_orders = points.orders[degree - EXTRA_MODE_DEGREES]
         lower = np.linalg.lstsq(points.modes(lower_orders), measured, rcond=None)[0]
         fall = math.sqrt(
-            _leave_one_out_error(orthogonal, measured) / scores[degree - EXTRA_DEGREES]
+            _leave_one_out_error(orthogonal, measured) / scores[degree - EXTRA_MODE_DEGREES]
         )
         change = coefficients.copy()
         change[[orders.index(order) for order in lower_orders]] -= lower
         misfit_m = min(fall, 1.0) * change
-    return Fit(degree, orders, coefficients, root, scores[best], misfit_m)
+    return ModeFit(degree, orders, coefficients, root, scores[best], misfit_m)
 
 
 def _leave_one_out_error(orthogonal: np.ndarray, measured: np.ndarray) -> float:
@@ -386,33 +394,34 @@ def _leave_one_out_error(orthogonal: np.ndarray, measured: np.ndarray) -> float:
         orthogonal: modes made orthonormal at the points, shape (points, modes).
     """
     left = 1 - np.sum(orthogonal**2, axis=1)
-    if left.min() < MIN_LEFT_BY_LEVERAGE:
+    if left.min() < MIN_ONE_MINUS_LEVERAGE:
         return math.inf
     residual = measured - orthogonal @ (orthogonal.T @ measured)
     return float(np.sqrt(np.mean(np.abs(residual / left) ** 2)))
 
 
 def _modes_with_extra_degrees(
-    points: Points, best: int
-) -> tuple[int, Orders, np.ndarray, np.ndarray]:
-    """Up to EXTRA_DEGREES above the best degree: how many, their modes and their QR decomposition.
+    points: ScanPoints, best: int
+) -> tuple[int, ModeOrders, np.ndarray, np.ndarray]:
+    """Up to EXTRA_MODE_DEGREES above the best degree: how many, their modes and their QR
+    decomposition.
 
     Along every side of the surface: waves along one side choose a family with few modes along the
     other, where the profile may have a slope that is as small as the noise.
     """
     enough = len(points.x_m) / MIN_POINTS_PER_EXTRA_MODE
-    for more in range(min(EXTRA_DEGREES, MAX_MODE_DEGREE - best), 0, -1):
+    for more in range(min(EXTRA_MODE_DEGREES, MAX_MODE_DEGREE - best), 0, -1):
         orders = points.orders_up_to(best, degrees_more=more)
         if len(points.orders[best]) < len(orders) <= enough:
             q, r = np.linalg.qr(points.modes(orders))
             left = 1 - np.sum(q**2, axis=1).max()
-            if np.linalg.cond(r) <= MAX_CONDITION_NUMBER and left >= MIN_LEFT_BY_LEVERAGE:
+            if np.linalg.cond(r) <= MAX_CONDITION_NUMBER and left >= MIN_ONE_MINUS_LEVERAGE:
                 return more, orders, q, r
     orders = points.orders[best]
     return 0, orders, *np.linalg.qr(points.modes(orders))
 
 
-def angular_variation_note(points: Points, measured: np.ndarray, fit: Fit) -> list[str]:
+def angular_variation_note(points: ScanPoints, measured: np.ndarray, fit: ModeFit) -> list[str]:
     """A note where a profile with angles leaves far less."""
     subset = slice(None, None, -(-len(measured) // MAX_POINTS_FOR_ANGLE_CHECK))
     try:
@@ -421,7 +430,7 @@ def angular_variation_note(points: Points, measured: np.ndarray, fit: Fit) -> li
         )
     except InputError:  # too few points for angles
         return []
-    ratio = free.score / fit.score
+    ratio = free.leave_one_out_error / fit.leave_one_out_error
     return [
         f"the scan is not axisymmetric: a profile with angles leaves {ratio:.2g} of what this one "
         "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
@@ -429,12 +438,12 @@ def angular_variation_note(points: Points, measured: np.ndarray, fit: Fit) -> li
 
 
 def extrapolated_maximum_note(
-    fit: Fit, surface: Surface, *, at_points: np.ndarray, noise_m: float
+    fit: ModeFit, surface: Surface, *, at_points: np.ndarray, noise_m: float
 ) -> list[str]:
     """A note where the maximum is extrapolated, or less known than at the measured points."""
     net = _modes_on_net(fit.orders, surface)
     largest_m, measured_m = (
-        float(_largest_of_sums(fit.coefficients, at)) for at in (net, at_points)
+        float(_largest_mode_sum(fit.coefficients, at)) for at in (net, at_points)
     )
     bias_m, bias_at_points_m = (_peak_bias_m(fit, noise_m, at) for at in (net, at_points))
     less_known = bias_m - bias_at_points_m > (MAX_OVERSHOOT_RATIO - 1) / 2 * measured_m
@@ -455,18 +464,18 @@ def check_points(
         {
             "the amplitudes have no phase and no sign: across a node line they would be those of "
             "another surface. Give a column phase_deg or sign, or say actuator.profile.sign: "
-            "unknown if the surface has no node line": not scan.signed and sign != "unknown",
-            "points along a radius, without angles, can only give an axisymmetric profile; say so "
-            "by actuator.profile.axisymmetric: true": scan.radial and not axisymmetric,
+            "unknown if the surface has no node line": not scan.has_phase_or_sign
+            and sign != "unknown",
+            surface.line_scan_problem: scan.is_radial and not axisymmetric,
         },
     )
-    reach = surface.reach(scan.x_m, scan.y_m)
+    reach = surface.relative_distance(scan.x_m, scan.y_m)
     for row in np.flatnonzero(reach > 1 + 1e-6)[:1]:
         raise InputError(
             f"{scan.path}: line {scan.lines[row]}: the point lies "
             f"{surface.position_text(scan.x_m[row], scan.y_m[row])}, off the actuator's "
             f"{surface.text} "
-            f"({surface.key}){_fitting_origin_or_unit_note(scan, surface)}"
+            f"({surface.config_key}){_fitting_origin_or_unit_note(scan, surface)}"
         )
     if (
         hint := _fitting_origin_or_unit_note(scan, surface)
@@ -474,17 +483,19 @@ def check_points(
         else ""
     ):
         raise InputError(
-            f"{scan.path}: all points lie at the centre of the {surface.text} ({surface.key}){hint}"
+            f"{scan.path}: all points lie at the centre of the {surface.text} "
+            f"({surface.config_key}){hint}"
         )
 
 
 def _fitting_origin_or_unit_note(scan: Scan, surface: Surface) -> str:
     """The origin or the unit of positions by which a scan would cover its surface, if any."""
-    reach = float(surface.reach(scan.x_m, scan.y_m).max())
+    reach = float(surface.relative_distance(scan.x_m, scan.y_m).max())
     x_m, y_m = (0.5 * (np.min(each) + np.max(each)) for each in (scan.x_m, scan.y_m))
     if (
         reach > 1
-        and np.max(surface.reach(scan.x_m - x_m, scan.y_m - y_m)) <= 1 + EXTENT_TOLERANCE_FRACTION
+        and np.max(surface.relative_distance(scan.x_m - x_m, scan.y_m - y_m))
+        <= 1 + EXTENT_TOLERANCE_FRACTION
     ):
         middle = [f"{1e3 * at:.4g} mm" for at in np.add(scan.origin_m, [x_m, y_m])]
         return (
@@ -506,7 +517,7 @@ def average_repeated_points(scan: Scan) -> Scan:
     Rows of a place are no independent evidence of a shape between places: cross-validation holds
     them out together, and noise that they share is counted once.
     """
-    steps = np.round(np.stack([scan.x_m, scan.y_m]) / SAME_POSITION_M)
+    steps = np.round(np.stack([scan.x_m, scan.y_m]) / SAME_POSITION_DISTANCE_M)
     _, first, position, rows = np.unique(
         steps, axis=1, return_index=True, return_inverse=True, return_counts=True
     )
@@ -537,8 +548,8 @@ def limit_point_count(scan: Scan) -> Scan:
 
 
 def _fit_without_outliers(
-    points: Points, lines: np.ndarray, measured: np.ndarray
-) -> tuple[Fit, np.ndarray, Points]:
+    points: ScanPoints, lines: np.ndarray, measured: np.ndarray
+) -> tuple[ModeFit, np.ndarray, ScanPoints]:
     """Least squares on the points that are not far from the rest; which those are, and they.
 
     Points are excluded and taken back in until they stay the same (iterated trimming; Rousseeuw
@@ -546,7 +557,7 @@ def _fit_without_outliers(
     """
     kept, near = points, np.ones(len(measured), dtype=bool)
     largest = np.sort(np.abs(measured))[-max(5, len(measured) // 20) :]
-    floor = MIN_OUTLIER_FRACTION * float(np.median(largest))
+    floor = MIN_OUTLIER_RESIDUAL_RATIO * float(np.median(largest))
     for _ in range(MAX_OUTLIER_REFITS):
         fit = best_mode_fit(kept, measured[near])
         residual = measured - points.modes(fit.orders) @ fit.coefficients
@@ -560,33 +571,37 @@ def _fit_without_outliers(
             break
         kept = points.subset_of_points(near)
     outliers = np.flatnonzero(~near)
-    if len(outliers) > max(1, MAX_OUTLIER_SHARE_OF_POINTS * len(measured)):
+    if len(outliers) > max(1, MAX_OUTLIER_POINT_FRACTION * len(measured)):
         named = ", ".join(map(str, lines[outliers[:6]]))
+        remedy = "look at them"
+        if not np.any(measured[outliers]):
+            remedy = "their amplitude is 0; write nan where nothing was measured"
         raise InputError(
             f"{len(outliers)} of {len(measured)} points (lines {named}, …) lie far from every "
-            "smooth profile through the rest: more than stray points; look at them"
+            f"smooth profile through the rest: more than stray points; {remedy}"
         )
     return best_mode_fit(kept, measured[near]), near, kept
 
 
 @lru_cache(maxsize=32)
-def _modes_on_net(orders: Orders, surface: Surface) -> np.ndarray:
+def _modes_on_net(orders: ModeOrders, surface: Surface) -> np.ndarray:
     """The modes on the surface's net, shape (modes, points)."""
-    x_m, y_m, _ = surface.net()
+    x_m, y_m, _ = surface.net_points_and_weights()
     return surface.modes_at(orders, x_m.ravel(), y_m.ravel()).T
 
 
-def _mean_square_of_profile(fit: Fit, surface: Surface) -> float:
+def _mean_square_of_profile(fit: ModeFit, surface: Surface) -> float:
     """∫ s², times a constant: small forces go as the square, and those of both motions add.
 
     studies/tasks/scan_errors.py has the effect on one scene.
     """
     return float(
-        surface.net()[2].ravel() @ (fit.coefficients @ _modes_on_net(fit.orders, surface)) ** 2
+        surface.net_points_and_weights()[2].ravel()
+        @ (fit.coefficients @ _modes_on_net(fit.orders, surface)) ** 2
     )
 
 
-def _largest_of_profile(profile: Modes) -> float:
+def _largest_profile_magnitude(profile: ModeSum) -> float:
     """Largest magnitude of a profile on its surface."""
 
     def amplitude(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
@@ -595,19 +610,19 @@ def _largest_of_profile(profile: Modes) -> float:
     return largest_magnitude(amplitude, surface=profile.surface)
 
 
-def _largest_of_sums(coefficients: np.ndarray, modes: np.ndarray) -> np.ndarray:
+def _largest_mode_sum(coefficients: np.ndarray, modes: np.ndarray) -> np.ndarray:
     """Largest magnitude of sums of modes (modes, places); coefficients of shape (…, modes)."""
     return np.asarray(np.abs(coefficients @ modes).max(axis=-1))
 
 
-def _peak_bias_m(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
+def _peak_bias_m(fit: ModeFit, noise_m: float, modes: np.ndarray) -> float:
     """Return the bias of the largest magnitude by noise.
 
     More noise adds less than this noise did where several places are the largest but for noise: of
     those the noisiest is the largest now. Were they all equal, noise would add its own largest. The
     bias is taken halfway.
     """
-    random, shape = np.random.default_rng(PEAK_BIAS_SEED), (PEAK_BIAS_DRAWS, len(fit.orders))
+    random, shape = np.random.default_rng(PEAK_BIAS_SEED), (PEAK_BIAS_DRAW_COUNT, len(fit.orders))
     noise = noise_m * random.standard_normal(shape)
     if np.iscomplexobj(fit.coefficients):
         noise = noise + 1j * noise_m * random.standard_normal(shape)
@@ -615,7 +630,7 @@ def _peak_bias_m(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
     change = np.concatenate([noise, -noise]) @ fit.root.T
     values = fit.coefficients @ modes
     largest = np.abs(values).max()
-    with_noise = _largest_of_sums(fit.coefficients + change, modes).mean()
+    with_noise = _largest_mode_sum(fit.coefficients + change, modes).mean()
     error_m = noise_m * np.linalg.norm(fit.root.T @ modes, axis=0)
     rivals = np.abs(values) + RIVAL_PEAK_STANDARD_ERRORS * error_m >= largest
     phases = values[rivals].conj() / np.abs(values[rivals])
@@ -626,8 +641,8 @@ def _peak_bias_m(fit: Fit, noise_m: float, modes: np.ndarray) -> float:
 def _reject_undetermined_profile(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
     """Reject a profile that the scan does not determine somewhere on the surface."""
     scan, surface = smoothed.scan, smoothed.profile.surface
-    x_m, y_m, _ = surface.net()
-    measured, net_points = (scan.x_m + 1j * scan.y_m)[~smoothed.outliers], x_m + 1j * y_m
+    x_m, y_m, _ = surface.net_points_and_weights()
+    measured, net_points = (scan.x_m + 1j * scan.y_m)[~smoothed.outlier_mask], x_m + 1j * y_m
     if axisymmetric:  # a point stands for the circle through it
         measured, net_points = np.abs(measured) + 0j, np.abs(net_points) + 0j
     distance = np.array(
@@ -643,17 +658,23 @@ def _reject_undetermined_profile(smoothed: SmoothedScan, *, axisymmetric: bool) 
     remedy = (
         f"the scan needs points up to there, every "
         f"{spacing_mm * MAX_PROFILE_ERROR / error[worst]:.2g} "
-        f"mm (now about {spacing_mm:.2g}), less noise, or {surface.key} that ends where it does"
+        f"mm (now about {spacing_mm:.2g}), less noise, or {surface.config_key} that ends where "
+        f"it does"
     )
     if smoothed.fit.degree == MAX_MODE_DEGREE:
         remedy = "shorter waves than these resolve need an actuator.profile by formula"
+    sides = [
+        min(each.max(), -each.min()) < MAX_PART_OVERLAP_FRACTION * half < 0.5 * np.ptp(each)
+        for each, half in zip((scan.x_m, scan.y_m), surface.half_extents_m, strict=True)
+    ]
+    part = f"; of a model of a half or a quarter {surface.whole_of_part}" * any(sides)
     if axisymmetric:
         named[0] = f"r = {net_points[hole].real * 1e3:.2f} mm"
     raise_first_problem(
         scan.path,
         {
             f"no point was measured within {distance[hole] * 1e3:.1f} mm of {named[0]}; the scan "
-            f"needs points there, or {surface.key} is too large": distance[hole]
+            f"needs points there, or {surface.config_key} is too large{part}": distance[hole]
             > MAX_HOLE_RADIUS_FRACTION * min(surface.half_extents_m),
             f"the profile is known to ±{error[worst]:.0%} of its maximum only at {named[1]}, by "
             f"modes of degree {smoothed.fit.degree}; {remedy}": error[worst] > MAX_PROFILE_ERROR,
@@ -664,17 +685,21 @@ def _reject_undetermined_profile(smoothed: SmoothedScan, *, axisymmetric: bool) 
 
 
 SMOOTHED_SCAN_FIELDS = {each.name for each in fields(SmoothedScan)}
-TUPLE_FIELDS = {Scan: {"notes", "origin_m"}, Fit: {"orders"}, Modes: {"orders", "coefficients"}}
+TUPLE_FIELDS = {
+    Scan: {"notes", "origin_m"},
+    ModeFit: {"orders"},
+    ModeSum: {"orders", "coefficients"},
+}
 """Values that are tuples where others are arrays."""
 
 
-def write_smoothed(smoothed: SmoothedScan, path: Path, **settings: Any) -> None:
+def write_smoothed_scan(smoothed: SmoothedScan, path: Path, **settings: Any) -> None:
     """Write a smoothed scan, whole or not at all: smoothing takes up to a minute, reading no time.
 
     The file, NumPy's .npz, has an array for each value and holds no code.
 
     Args:
-        settings: with which it was smoothed (``smoothed_scan``).
+        settings: with which it was smoothed (``smoothed_scan_of_file``).
 
     Raises InputError where the file cannot be written.
     """
@@ -686,7 +711,7 @@ def write_smoothed(smoothed: SmoothedScan, path: Path, **settings: Any) -> None:
 
 
 def _scan_fingerprint(scan: Path, settings: dict[str, Any]) -> str:
-    return f"{digest(scan)} {sorted(settings.items())}"
+    return f"{file_digest(scan)} {sorted(settings.items())}"
 
 
 def _flattened_fields(part: Any) -> dict[str, Any]:
@@ -702,7 +727,7 @@ def _flattened_fields(part: Any) -> dict[str, Any]:
 
 
 @lru_cache(maxsize=4)
-def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
+def read_smoothed_scan(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
     """Return the smoothed scan that write_smoothed wrote.
 
     Raises InputError for a file that is none, or was made from another scan or other settings.
@@ -713,9 +738,9 @@ def read_smoothed(path: Path, scan: Path, **settings: Any) -> SmoothedScan:
         made_from, surface = values["made_from"], settings["surface"]
         smoothed = SmoothedScan(
             scan=_rebuilt_dataclass(Scan, values, "scan.", path=scan),
-            fit=_rebuilt_dataclass(Fit, values, "fit."),
-            profile=_rebuilt_dataclass(Modes, values, "profile.", surface=surface),
-            out_of_phase=_rebuilt_dataclass(Modes, values, "out_of_phase.", surface=surface),
+            fit=_rebuilt_dataclass(ModeFit, values, "fit."),
+            profile=_rebuilt_dataclass(ModeSum, values, "profile.", surface=surface),
+            out_of_phase=_rebuilt_dataclass(ModeSum, values, "out_of_phase.", surface=surface),
             **{name: each for name, each in values.items() if name in SMOOTHED_SCAN_FIELDS},
         )
     except Exception as error:  # whatever a damaged file makes of it

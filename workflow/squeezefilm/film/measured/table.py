@@ -32,7 +32,7 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, array_lines
+from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, arrays_as_table_lines
 from squeezefilm.film.measured.cells import (
     distinct_values_text,
     is_missing,
@@ -45,8 +45,8 @@ from squeezefilm.film.measured.columns import (
     ALL_UNITS,
     COORDINATE_UNITS,
     ROW_STATUS_QUANTITIES,
-    UNIT_SIZES,
-    WORDS,
+    UNITS_OF_SCAN_QUANTITY,
+    WORDS_OF_MEANING,
     ScanColumn,
     header_columns,
     header_with_unit_line,
@@ -56,7 +56,7 @@ from squeezefilm.film.measured.columns import (
 )
 from squeezefilm.film.measured.scan import (
     FREQUENCY_NEEDED_MESSAGE,
-    SAME_POSITION_M,
+    SAME_POSITION_DISTANCE_M,
     Scan,
     angular_frequency,
     list_text,
@@ -67,7 +67,7 @@ from squeezefilm.film.measured.validity import valid_rows
 from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
 
-SCAN_FORM = (
+SCAN_FORMAT_TEXT = (
     "a row for each point and columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, "
     "amplitude_um"
 )
@@ -77,9 +77,9 @@ BLANK_SEPARATOR, WIDE_BLANK_SEPARATOR = " ", "  "
 SEPARATORS = ("\t", ";", ",", WIDE_BLANK_SEPARATOR, BLANK_SEPARATOR)
 BETWEEN_NAMES_PATTERN = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instance|Name|FOOT-)\b)")
 """Blanks between names in a header, none before a unit in brackets or within ``U, U3``."""
-ASIAN_WORDS = [word for words in WORDS.values() for word in words if word >= "\u3000"]
+ASIAN_WORDS = [word for words in WORDS_OF_MEANING.values() for word in words if word >= "\u3000"]
 # Among which the line that names columns is sought, and by how many quantities it is known.
-MAX_LINES_ABOVE_HEADER, MIN_QUANTITIES_NAMED = 100, 2
+MAX_LINES_ABOVE_HEADER, MIN_HEADER_QUANTITIES = 100, 2
 COMMENT_PATTERN = re.compile(r"\A\s*[#%!][#%!\s]*")
 LENGTH_UNIT_PATTERN = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
 """How a program says, above the header, in which unit places are."""
@@ -101,18 +101,22 @@ REMEDY_OF_FILE_SIGNATURE = {
     b"[{": "write the points as CSV",
 }
 """How files begin that are no text, or no table, and what to do with them."""
-OTHER_TEXTS = {
-    r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T": "a print or punch file "
-    "of Nastran's, without positions in the table; export the grid points' positions and "
-    "displacements as a universal file (.unv) or as one table: x, y and T3, with units",
+REMEDY_OF_TEXT_PATTERN = {
+    r"\$(?:TITLE|SUBTITLE|LABEL) |N A S T R A N|D I S P L A C E M E N T|E I G E N V E C T O R": "a "
+    "print or punch file of Nastran's, without positions in the table; export the grid points' "
+    "positions and displacements as a universal file (.unv) or as one table: x, y and T3, with "
+    "units",
+    r"(?m)^\s*(?:LIST ALL SELECTED NODES|PRINT U .*NODAL SOLUTION)": "a list of ANSYS, with "
+    "positions and displacements in different tables; export Directional Deformation from "
+    "Mechanical (Options, Export, Include Node Location), or write one table: x_m, y_m, uz_m",
     r"(?m)^% Grid\s*$": "a grid of COMSOL's; export with the data format Spreadsheet",
     r"(?m)^\s*VARIABLES\s*=": "a Tecplot file; in place of the lines above the numbers write one "
     "that names the columns, such as x_mm y_mm amplitude_um",
     r"\AIGOR\s": "an Igor text file; save the waves as delimited text",
 }
 """What such files of text contain, by patterns, and what to do with them."""
-LABVIEW_UNITS = "Y_Unit_Label"
-MAX_CHARACTERS_FOR_ENCODING, MAX_CHARACTERS_FOR_NASTRAN = 1000, 20_000
+LABVIEW_UNIT_LINE_PREFIX = "Y_Unit_Label"
+MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
 WORD_LINE_PATTERN, MAX_TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*"), 5
 RULED_LINE_PATTERN = re.compile(r"[-=*_\s]{3,}")
@@ -121,14 +125,16 @@ NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN = (
     re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"),
     re.compile(r".*[\s,;][-+]?\d"),
 )
+# Of all nodes of a body: the share of a face's, of others, and how far off they are, over the face.
+MIN_FACE_FRACTION, MIN_OFF_FRACTION, MAX_HEIGHT_FRACTION = 0.1, 0.1, 0.05
 # So many rows at a place that differ in time are a time series.
 MIN_TIME_SERIES_ROWS = 8
-OF_A_TIME_SERIES = "export amplitude and phase at the actuator's frequency"
+TIME_SERIES_REMEDY = "export amplitude and phase at the actuator's frequency"
 
 
-def read_points(
+def read_point_table(
     path: Path,
-    wanted: Collection[str] = tuple(UNIT_SIZES),
+    wanted: Collection[str] = tuple(UNITS_OF_SCAN_QUANTITY),
     *,
     what: str,
     form: str,
@@ -160,18 +166,20 @@ def read_points(
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.column_index for column in columns.values()}
-        ignored = [repr(name) for name in header if scan_column_of_cell(name) is None]
-        beside = f"; not understood: {', '.join(ignored)}" * bool(ignored)
+        understood = {each.name for each in header_columns(header) if each.quantity != "height"}
+        ignored = [repr(name) for name in header if name not in understood]
+        beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         problems[-1:] = [
             f"{problem}; the columns are {', '.join(columns)}{beside}" for problem in problems[-1:]
         ]
         problems += [
-            f"a time series ({each.name!r}) is no shape; {OF_A_TIME_SERIES}"
+            f"a time series ({each.name!r}) is no shape; {TIME_SERIES_REMEDY}"
             for each in header_columns(header)
             if each.quantity == "time" and problems and not motion
         ]
-        problems += unit_problems(columns.values())
+        unplaced = {"r", "phi"} if {"x", "y"} <= {*columns} else set[str]()
+        problems += unit_problems([columns[name] for name in columns if name not in unplaced])
         if any(column.power for column in motion) and frequency_hz is None:
             problems.append(FREQUENCY_NEEDED_MESSAGE)
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
@@ -179,6 +187,12 @@ def read_points(
         if problems:
             raise InputError("; and ".join(problems))
     needed = max(taken) + 1
+    for again in range(first, len(lines)):
+        if lines[again] == lines[index] and not COMMENT_PATTERN.match(lines[index]):
+            raise InputError(
+                f"line {again + 1}: the header stands again: a second table; keep the rows of one, "
+                "or join them below one header"
+            )
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
@@ -189,6 +203,8 @@ def read_points(
         if at not in taken
     ]
     cells, settings = _rows_of_requested_measurement(cells, settings, rows or "")
+    if rows is not None:
+        _reject_points_off_surface(cells, settings, columns)
     cells, states, invalid = valid_rows(cells, settings)
     others = [repr(each.name) for each in settings if each not in states]
     notes += [*[f"ignored columns: {', '.join(others)}"] * bool(others), *invalid]
@@ -204,10 +220,11 @@ def read_points(
             table[column.quantity] /= angular_frequency(frequency_hz) ** column.power
             twice = " squared" * (column.power == 2)
             notes.append(f"{column.name!r} divided by the angular frequency{twice}")
-        if column.amplitude_ratio != 1:
-            table[column.quantity] *= column.amplitude_ratio
+        if column.amplitude_factor != 1:
+            table[column.quantity] *= column.amplitude_factor
             notes.append(
-                f"{column.name!r} times {column.amplitude_ratio:.4g}, a harmonic motion's amplitude"
+                f"{column.name!r} times {column.amplitude_factor:.4g}, a harmonic motion's "
+                f"amplitude"
             )
     return table, lacking.tolist(), [*notes, *missing_points_note(lacking.tolist(), what="line")]
 
@@ -231,6 +248,32 @@ def _rows_of_requested_measurement(
                 raise InputError(f"no row has this value; {distinct_values_text(values)}")
         free = [other for other in free if other is not column]
     return cells, free
+
+
+def _reject_points_off_surface(
+    cells: pd.DataFrame, others: Sequence[ScanColumn], columns: dict[str, ScanColumn]
+) -> None:
+    """Reject all nodes of a body: many at one height, others at heights far from it."""
+    for column in others:
+        if column.quantity != "height" or "x" not in columns or cells.empty:
+            continue
+        x_m, z_m = (
+            parse_numbers(cells[each.column_index]) * (each.size or columns["x"].size or 1.0)
+            for each in (columns["x"], column)
+        )
+        heights = normalise_cells(cells[column.column_index])
+        common = heights.mode().iloc[-1]
+        at_face = heights == common
+        apart = abs(z_m - z_m[at_face].iloc[0])
+        if (
+            at_face.mean() > MIN_FACE_FRACTION
+            and (apart > MAX_HEIGHT_FRACTION * np.ptp(x_m)).mean() > MIN_OFF_FRACTION
+        ):
+            raise InputError(
+                f"column {column.name!r} has points at several heights, {z_m.min() * 1e3:.4g} to "
+                f"{z_m.max() * 1e3:.4g} mm; take those of the surface by actuator.profile.rows: "
+                f"{column.name} = {common} or another height; or leave the column out"
+            )
 
 
 def _one_row_per_position(
@@ -278,7 +321,7 @@ def _one_row_per_position(
         ):
             raise InputError(
                 f"column {column.name!r} has several instants at each place: a time series is no "
-                f"shape; {OF_A_TIME_SERIES}"
+                f"shape; {TIME_SERIES_REMEDY}"
             )
         if recurs:
             axis = "; or call it x, y or phi, with its unit, if it is the other coordinate"
@@ -297,7 +340,7 @@ def _position_keys(table: pd.DataFrame) -> pd.Series:
     r, phi = (table.get(name, pd.Series(0.0, table.index)) for name in ("r", "phi"))
     x = table.get("x", r * np.cos(phi))
     y = table.get("y", r * np.sin(phi))
-    steps = pd.DataFrame({"x": x, "y": y}).div(SAME_POSITION_M).round()
+    steps = pd.DataFrame({"x": x, "y": y}).div(SAME_POSITION_DISTANCE_M).round()
     return steps.groupby(["x", "y"], sort=False).ngroup()
 
 
@@ -311,11 +354,11 @@ def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     place = {*known} & {"x", "y", "r", "phi"}
     both = place > {"x", "y"}
     return {
-        "r or phi stands beside x and y; leave it out, or call it amplitude or phase": both,
+        "r or phi stands beside x and y; leave it out, or call it amplitude_um or phase_deg": both,
         "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
         "table as its amplitude": not both
         and place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
-        f"column 'amplitude_um' is missing; a scan has {SCAN_FORM}": not {*known}
+        f"column 'amplitude_um' is missing; a scan has {SCAN_FORMAT_TEXT}": not {*known}
         & {"amplitude", "real", "imaginary"},
         "real and imaginary part go together": len({*known} & {"real", "imaginary"}) == 1,
         "give sign or phase, not both": {"sign", "phase"} <= {*known},
@@ -324,17 +367,17 @@ def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
 
 def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     """The scan in a table of text."""
-    table, lacking, notes = read_points(
+    table, lacking, notes = read_point_table(
         path,
         what="scan",
-        form=SCAN_FORM,
+        form=SCAN_FORMAT_TEXT,
         complete=_incomplete_scan_problems,
         frequency_hz=frequency_hz,
         rows=rows,
     )
     known = set(table)
     size = table.pop("amplitude").to_numpy() if "amplitude" in known else np.zeros(len(table))
-    whole = table.reindex(columns=list(UNIT_SIZES)).fillna({"sign": 1.0}).fillna(0.0)
+    whole = table.reindex(columns=list(UNITS_OF_SCAN_QUANTITY)).fillna({"sign": 1.0}).fillna(0.0)
     x, y, r, phi, _, real, imaginary, phase, sign = whole.to_numpy(dtype=float).T
     directed, parts = bool(known & {"phase", "sign"}), np.iscomplexobj(size)
     line = not {"x", "y"} <= known and "phi" not in known
@@ -362,15 +405,15 @@ def _read_lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[st
     except OSError as error:
         raise InputError(f"the {what} cannot be read: {error}") from None
     if path.suffix.lower() in ARRAY_SUFFIXES:
-        return array_lines(path), ["its variables are read as columns"]
+        return arrays_as_table_lines(path), ["its variables are read as columns"]
     for start, remedy in REMEDY_OF_FILE_SIGNATURE.items():
         if content.startswith(start):
             raise InputError(f"no table of text; {remedy}")
     text, encoding = _decode_text(content)
-    for pattern, remedy in OTHER_TEXTS.items():
-        if re.search(pattern, text[:MAX_CHARACTERS_FOR_NASTRAN]):
+    for pattern, remedy in REMEDY_OF_TEXT_PATTERN.items():
+        if re.search(pattern, text[:MAX_FORMAT_CHECK_CHARACTERS]):
             raise InputError(remedy)
-    if text.count("\0", 0, MAX_CHARACTERS_FOR_ENCODING) > MAX_CHARACTERS_FOR_ENCODING / 100:
+    if text.count("\0", 0, MAX_ENCODING_CHECK_CHARACTERS) > MAX_ENCODING_CHECK_CHARACTERS / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
     return io.StringIO(text, newline=None).read().split("\n"), notes
@@ -381,8 +424,8 @@ def _table_cells(
 ) -> tuple[pd.DataFrame, list[str]]:
     """The cells below a header of so many names, the first of them needed, by their line.
 
-    Lines above and below rows that all begin with a number are none if they begin with a word; a
-    note names them.
+    Lines above and below rows that all begin with a number are none if their first cell that is
+    not empty begins with a word; a note names them.
     """
     rows = {
         number: _split_cells(line, separator)
@@ -391,7 +434,8 @@ def _table_cells(
         and not COMMENT_PATTERN.match(line)
         and not RULED_LINE_PATTERN.fullmatch(line)
     }
-    start = pd.Series({number: cells[0] for number, cells in rows.items()}, dtype=object)
+    first_cells = {number: next(filter(None, cells), "") for number, cells in rows.items()}
+    start = pd.Series(first_cells, dtype=object)
     words = start.str.fullmatch(WORD_LINE_PATTERN).astype(bool) & ~start.map(is_missing).astype(
         bool
     )
@@ -427,12 +471,12 @@ def _header_with_units(
     if len(cells) == len(header):
         header = [
             f"{name} [{unit}]"
-            if (unit := unit_behind_number(cell)) in ALL_UNITS and _bare(name)
+            if (unit := unit_behind_number(cell)) in ALL_UNITS and _is_column_without_unit(name)
             else name
             for name, cell in zip(header, cells, strict=True)
         ]
     for line in lines[:index]:
-        if line.startswith(LABVIEW_UNITS):
+        if line.startswith(LABVIEW_UNIT_LINE_PREFIX):
             header = header_with_unit_line(header, ["", *_split_cells(line, separator)[1:]])
     units = {
         normalised_unit(match[1])
@@ -450,7 +494,7 @@ def _header_with_units(
     return header, index + 1
 
 
-def _bare(name: str) -> bool:
+def _is_column_without_unit(name: str) -> bool:
     """Tell whether a column that a scan may have is without a unit."""
     column = scan_column_of_cell(name)
     return column is not None and not column.unit
@@ -532,7 +576,7 @@ def _find_header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, li
             alike = len(cells) == len(row)
             values = parse_numbers(pd.Series([cell for cell in row if cell], dtype=object))
             numbers = len(values) > 1 and not values.isna().any()
-            if count >= MIN_QUANTITIES_NAMED - (alike and numbers and index in plain):
+            if count >= MIN_HEADER_QUANTITIES - (alike and numbers and index in plain):
                 found.setdefault((numbers, alike, count), (index, cells, between))
     if found:
         index, cells, between = found[max(found)]

@@ -19,6 +19,7 @@ import numpy as np
 from squeezefilm.errors import InputError, raise_first_problem, requires_extra
 from squeezefilm.film.measured.scan import (
     MAX_FINITE_VALUE,
+    MAX_MODE_DISTANCE_FRACTION,
     Scan,
     angular_frequency,
     missing_points_note,
@@ -38,22 +39,30 @@ AT_NODES_LOCATION, FREQUENCY_RESPONSE_ANALYSIS, COMPLEX_NUMBER_TYPE = (
     5,
     5,
 )  # of results: place, analysis, kind of numbers
-FREQUENCY_AXIS, DISPLACEMENT_AXIS, VELOCITY_AXIS, ACCELERATION_AXIS = 18, 8, 11, 12
-TIME_OR_POWER_FUNCTIONS = (1, 2, 3, 9)
-POWER_FUNCTIONS, COHERENCE_FUNCTIONS = (2, 3, 9), (6, 21, 26)
+FREQUENCY_DATA_TYPE, DISPLACEMENT_DATA_TYPE, VELOCITY_DATA_TYPE, ACCELERATION_DATA_TYPE = (
+    18,
+    8,
+    11,
+    12,
+)
+TIME_OR_POWER_FUNCTION_TYPES = (1, 2, 3, 9)
+POWER_SPECTRUM_FUNCTION_TYPES, COHERENCE_FUNCTION_TYPES = (2, 3, 9), (6, 21, 26)
 # By which power of the angular frequency a motion is larger than a displacement.
-OMEGA_POWER_OF_AXIS = {DISPLACEMENT_AXIS: 0, VELOCITY_AXIS: 1, ACCELERATION_AXIS: 2}
+OMEGA_POWER_OF_DATA_TYPE = {
+    DISPLACEMENT_DATA_TYPE: 0,
+    VELOCITY_DATA_TYPE: 1,
+    ACCELERATION_DATA_TYPE: 2,
+}
 NORMAL_DIRECTION = 3
 NAME_OF_DIRECTION = {
     number: f"{'+-'[number < 0]}{'XYZ'[abs(number) - 1]}" for number in (-3, -2, -1, 1, 2, 3)
 }
 REFERENCE_PATTERN = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
-# A mode is at most so far from the actuator's frequency, as a share, and by this factor nearer than
-# any other.
-MAX_MODE_DISTANCE_FRACTION, MIN_DISTANCE_RATIO_OF_MODES = 0.1, 3
+# A mode is by this factor nearer to the actuator's frequency than any other.
+MIN_FREQUENCY_OFFSET_RATIO = 3
 
 
-def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
+def read_universal_file(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     """The scan in a universal file; a point's line is its function's or node's number.
 
     Args:
@@ -96,14 +105,14 @@ def read_universal(path: Path, frequency_hz: float | None, rows: str) -> Scan:
         modes += [
             _results_as_mode_shape(each) for each in sets if each.get("type") == RESULTS_DATASET
         ]
-        return _select_mode_shape(path, modes, places, frequency_hz, rows)
+        return _scan_of_mode_shape(path, modes, places, frequency_hz, rows)
     if of_mode:
         raise InputError(
             "actuator.profile.rows is of tables, or, of a universal file, 'mode = 2' (data sets 55 "
             "and 2414) or 'reference = 5' (data set 58)"
         )
     wanted = reference[1] if reference else ""
-    return _shape_at_frequency(path, sets, places, frequency_hz, reference=wanted)
+    return _scan_at_frequency(path, sets, places, frequency_hz, reference=wanted)
 
 
 def _results_as_mode_shape(results: dict[str, Any]) -> dict[str, Any]:
@@ -124,7 +133,7 @@ def _results_as_mode_shape(results: dict[str, Any]) -> dict[str, Any]:
     return mode | {"r3": motion} | {name: results[own] for name, own in names.items()}
 
 
-def _select_mode_shape(
+def _scan_of_mode_shape(
     path: Path,
     modes: Sequence[dict[str, Any]],
     places: dict[int, complex],
@@ -155,11 +164,11 @@ def _select_mode_shape(
             f"actuator.profile.rows: mode = {numbers[nearest]}": not rows
             and others
             and away[others[0]]
-            < min(MIN_DISTANCE_RATIO_OF_MODES * away[nearest] + 1e-3, MAX_MODE_DISTANCE_FRACTION),
+            < min(MIN_FREQUENCY_OFFSET_RATIO * away[nearest] + 1e-3, MAX_MODE_DISTANCE_FRACTION),
         },
     )
     at = asked[0] if asked else int(nearest)
-    mode, power = modes[at], OMEGA_POWER_OF_AXIS.get(int(modes[at]["spec_data_type"]), 0)
+    mode, power = modes[at], OMEGA_POWER_OF_DATA_TYPE.get(int(modes[at]["spec_data_type"]), 0)
     nodes = np.asarray(mode["node_nums"], dtype=int)
     known = np.isin(nodes, list(places))
     amplitude = np.asarray(mode["r3"])[known].astype(complex)
@@ -171,7 +180,7 @@ def _select_mode_shape(
     return Scan(path, place.real, place.imag, amplitude, nodes[known], 0, signed, tuple(notes))
 
 
-def _shape_at_frequency(
+def _scan_at_frequency(
     path: Path,
     sets: Sequence[dict[str, Any]],
     places: dict[int, complex],
@@ -196,14 +205,14 @@ def _shape_at_frequency(
             < len(nodes),
             "the functions are not all displacements (type 8), velocities (11) or accelerations "
             f"(12) but of type {', '.join(map(str, sorted(kinds)))}": kinds
-            not in [{kind} for kind in OMEGA_POWER_OF_AXIS],
+            not in [{kind} for kind in OMEGA_POWER_OF_DATA_TYPE],
         },
     )
     rows = [_amplitude_at_nearest_line(each, omega / (2 * math.pi)) for each in functions]
     measured, lines_hz = (np.array(column) for column in zip(*rows, strict=True))
     numbers, seen = 1 + np.arange(len(nodes)), np.isfinite(measured)
-    amplitude = measured[seen].astype(complex) / omega ** OMEGA_POWER_OF_AXIS[min(kinds)]
-    if kinds == {ACCELERATION_AXIS}:
+    amplitude = measured[seen].astype(complex) / omega ** OMEGA_POWER_OF_DATA_TYPE[min(kinds)]
+    if kinds == {ACCELERATION_DATA_TYPE}:
         amplitude = -amplitude
     place = np.array([places[node] for node in nodes])[seen]
     signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
@@ -224,9 +233,9 @@ def _motion_functions(
     kept, aside = [], dict.fromkeys(("coherences", "power spectra", "functions without a place"), 0)
     for function in functions:
         kind = int(function.get("func_type", 0))
-        if kind in COHERENCE_FUNCTIONS:
+        if kind in COHERENCE_FUNCTION_TYPES:
             aside["coherences"] += 1
-        elif kind in POWER_FUNCTIONS and len(functions) > len(places):
+        elif kind in POWER_SPECTRUM_FUNCTION_TYPES and len(functions) > len(places):
             aside["power spectra"] += 1
         elif int(function["rsp_node"]) not in places:
             aside["functions without a place"] += 1
@@ -270,8 +279,8 @@ def _amplitude_at_nearest_line(
         f"node {int(function['rsp_node'])}",
         {
             "a function of time or a power spectrum; export amplitudes or frequency responses": kind
-            in TIME_OR_POWER_FUNCTIONS
-            or over != FREQUENCY_AXIS,
+            in TIME_OR_POWER_FUNCTION_TYPES
+            or over != FREQUENCY_DATA_TYPE,
             far: far,
         },
     )

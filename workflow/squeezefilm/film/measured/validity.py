@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.cells import distinct_values_text, parse_numbers
-from squeezefilm.film.measured.columns import ROW_STATUS_QUANTITIES, WORDS, ScanColumn
+from squeezefilm.film.measured.columns import ROW_STATUS_QUANTITIES, WORDS_OF_MEANING, ScanColumn
 from squeezefilm.film.measured.scan import list_text
 from squeezefilm.headers import fold_accents
 from squeezefilm.lazy import pd
@@ -32,11 +32,11 @@ def valid_rows(
         codes = values.nunique() <= MAX_STATUS_CODES and bool((numbers % 1 == 0).all())
         if numbers.notna().all() and not codes:  # a measured quality
             continue
-        good, bad = {*WORDS["good"]}, {*WORDS["bad"]}
+        good, bad = {*WORDS_OF_MEANING["good"]}, {*WORDS_OF_MEANING["bad"]}
         if column.quantity == "valid":
-            good, bad = good | {*WORDS["yes"]}, bad | {*WORDS["no"]}
+            good, bad = good | {*WORDS_OF_MEANING["yes"]}, bad | {*WORDS_OF_MEANING["no"]}
         if column.quantity == "invalid":
-            good, bad = good | {*WORDS["no"], ""}, bad | {*WORDS["yes"]}
+            good, bad = good | {*WORDS_OF_MEANING["no"], ""}, bad | {*WORDS_OF_MEANING["yes"]}
         if not values.isin(good).any():
             good = good | {""}
         unclear = cells[column.column_index][~values.isin(good | bad)]

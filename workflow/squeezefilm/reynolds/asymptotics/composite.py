@@ -28,35 +28,35 @@ from math import isfinite, log10
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene, Scenes, rows_by_value
+from squeezefilm.film.scene import Scene, Scenes, equal_row_groups
 from squeezefilm.reynolds.asymptotics import core
-from squeezefilm.reynolds.asymptotics.core import Expansion, SecondOrder
+from squeezefilm.reynolds.asymptotics.core import MeanPressureExpansion, SecondOrderMean
 from squeezefilm.reynolds.asymptotics.films import (
-    INERTIA_SQUARE_FACTOR,
+    INERTIA_COMPOSITE_ERROR_FACTOR,
     Films,
+    broadcast_over_field,
     expansion_axis,
     films_of,
     grid_error,
-    per_film,
 )
 from squeezefilm.reynolds.periodic.resolution import nodes_for_profile
-from squeezefilm.reynolds.plan import Plan
+from squeezefilm.reynolds.plan import SolvePlan
 from squeezefilm.reynolds.terms import Terms
 from squeezefilm.reynolds.terms.gap import NonuniformGap
 
 # Layers of width √(2/σ) must leave room on the shorter side: σ min(1, aspect)² at least this.
 MIN_EXPANSION_SIGMA = 10.0
 # At this the expansions in ε have their part of order ε² alone, to rounding.
-SECOND_ORDER_EPSILON = 1e-5
+SECOND_ORDER_PROBE_EPSILON = 1e-5
 # Scenes whose fields are held at a time; more would fall out of the caches.
 SCENES_PER_BATCH = 256
 # Squeeze number of the shorter side from which on ``auto`` tries the expansions, to a tolerance of
 # 1e-4; it goes with the root of a closer one. Of 24 random films (ε 0.05-0.7, sinc and piston) they
 # hold 1e-4 at σ 1e4-1e5 in all, for 1.4 ms each instead of 16; 1e-6 at σ 1e5-1e6 in 12, and 1e6-1e7
 # in 21, for 21 and 9 ms instead of 210 and 980.
-THIN_LAYER_SIGMA, THIN_LAYER_TOLERANCE = 1e4, 1e-4
+THIN_LAYER_SIGMA, THIN_LAYER_SIGMA_TOLERANCE = 1e4, 1e-4
 # Motion so small, in ε² over the tolerance, that rounding hides a periodic state's force.
-MIN_RESOLVED_MOTION = 1e-3
+MIN_RESOLVED_EPSILON_SQUARED = 1e-3
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ def expansion_point_count(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
 ExpansionFunction = Callable[[Films], AsymptoticForces]
 
 
-def _with_slip_and_inertia(expand: ExpansionFunction) -> ExpansionFunction:
+def _slip_and_inertia_decorator(expand: ExpansionFunction) -> ExpansionFunction:
     """An expansion of films that may have slip, inertia or both.
 
     Both together: that with slip, and the change by inertia in a film without slip whose gas flows
@@ -96,26 +96,28 @@ def _with_slip_and_inertia(expand: ExpansionFunction) -> ExpansionFunction:
     """
 
     @wraps(expand)
-    def expand_with_both(films: Films) -> AsymptoticForces:
+    def expand_with_slip_and_inertia(films: Films) -> AsymptoticForces:
         if not np.any((films.slip != 0) & (films.reynolds != 0)):
             return expand(films)
         none = np.zeros_like(films.slip)
         equivalent = replace(
             films,
-            sigma=films.layer_number,
+            sigma=films.layer_squeeze_number,
             slip=none,
             reynolds=films.reynolds * (1 + 2 / 3 * films.slip),
         )
         slipping = expand(replace(films, reynolds=none))
         moving, still = expand(equivalent), expand(replace(equivalent, reynolds=none))
         change = moving.mean - still.mean
-        error = np.maximum(slipping.error, moving.error) + films.slip_fraction * np.abs(change)
+        error = np.maximum(slipping.error, moving.error) + films.slip_remainder_fraction * np.abs(
+            change
+        )
         return AsymptoticForces(mean=slipping.mean + change, error=_infinite_where_missing(error))
 
-    return expand_with_both
+    return expand_with_slip_and_inertia
 
 
-@_with_slip_and_inertia
+@_slip_and_inertia_decorator
 def high_squeeze_limit(films: Films) -> AsymptoticForces:
     """Film at σ → ∞: PH = ψ(x, y), ψ²/2 + slip ψ harmonic, ⟨H³P²/2 + slip H²P⟩ kept to the edge.
 
@@ -123,13 +125,17 @@ def high_squeeze_limit(films: Films) -> AsymptoticForces:
     With inertia core and edge are others (core.py). The error is the edge layer's correction
     and that one's error.
     """
-    fine, coarse = _second_order_change(films), _second_order_change(films.coarser)
-    error = 1.05 * np.abs(fine.layer) + films.layer_remainder + films.slip_fraction * fine.gross
+    fine, coarse = _high_squeeze_expansion(films), _high_squeeze_expansion(films.coarser_films)
+    error = (
+        1.05 * np.abs(fine.layer)
+        + films.layer_remainder
+        + films.slip_remainder_fraction * fine.layer_magnitude_sum
+    )
     error = error + grid_error(films, fine.density, coarse.density)
     return _asymptotic_forces(films, mean=films.mean(fine.density), error=error)
 
 
-@_with_slip_and_inertia
+@_slip_and_inertia_decorator
 def edge_layer_expansion(films: Films) -> AsymptoticForces:
     """The high-squeeze limit with the edge's boundary layer, correct to 1/√σ (see edge_layer.py).
 
@@ -138,69 +144,78 @@ def edge_layer_expansion(films: Films) -> AsymptoticForces:
     With slip the layer is taken to be √(1 + slip) thicker, which holds for small amplitude. With
     inertia the next order is ε²/σ (edge_layer.py), without it ε²/σ^(3/2).
     """
-    fine, coarse = _second_order_change(films), _second_order_change(films.coarser)
-    error = films.layer_remainder + films.slip_fraction * fine.gross
+    fine, coarse = _high_squeeze_expansion(films), _high_squeeze_expansion(films.coarser_films)
+    error = films.layer_remainder + films.slip_remainder_fraction * fine.layer_magnitude_sum
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
     return _asymptotic_forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
-@_with_slip_and_inertia
+@_slip_and_inertia_decorator
 def small_amplitude_expansion(films: Films) -> AsymptoticForces:
     """Second order in ε at any σ: linear pressure p̂, then the mean flow that it drives.
 
     (1 + slip)∇²p̂ − iσp̂ = iσs and ∇²v = −(3/2)(1 + 2 slip/3)/(1 + slip) ∇·(s ∇Re p̂), zero on the
     edge; the mean is ε² ∫ v − |p̂|²/(4 (1 + slip)). With inertia, see core.py.
     """
-    fine, coarse = _second_order(films), _second_order(films.coarser)
+    fine, coarse = _second_order_mean(films), _second_order_mean(films.coarser_films)
     square = films.epsilon**2
-    error = films.amplitude_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss))
+    error = films.second_order_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss_density))
     error = error + grid_error(
         films,
-        fine.flow - fine.loss,
-        coarse.flow - coarse.loss,
-        layer_change=fine.edge_mean - coarse.edge_mean,
+        fine.flow - fine.loss_density,
+        coarse.flow - coarse.loss_density,
+        layer_change=fine.edge_driven_mean - coarse.edge_driven_mean,
     )
-    mean = films.mean(fine.flow - fine.loss) + fine.edge_mean
+    mean = films.mean(fine.flow - fine.loss_density) + fine.edge_driven_mean
     return AsymptoticForces(mean=square * mean, error=_infinite_where_missing(square * error))
 
 
-@_with_slip_and_inertia
+@_slip_and_inertia_decorator
 def composite_expansion(films: Films) -> AsymptoticForces:
     """The edge layer's expansion with its part of order ε² replaced by the exact one.
 
     The additive composite of two expansions (Van Dyke, Perturbation Methods in Fluid Mechanics,
     1975): what is left is of order ε⁴/σ.
     """
-    (fine, change), (coarse, _) = _exact_second_order(films), _exact_second_order(films.coarser)
+    (fine, change), (coarse, _) = (
+        _expansion_exact_to_order_2(films),
+        _expansion_exact_to_order_2(films.coarser_films),
+    )
     square = films.epsilon**2
     error = (
-        2 * square * np.sqrt(films.narrowing) * np.abs(change)
+        2 * square * np.sqrt(films.narrowing_factor) * np.abs(change)
         + films.corner_remainder
-        + square * films.narrowing * films.streaming_remainder
-        + INERTIA_SQUARE_FACTOR * square * films.narrowing * films.inertia_remainder
-        + square * films.narrowing * films.slip_fraction * fine.gross
+        + square * films.narrowing_factor * films.streaming_remainder
+        + INERTIA_COMPOSITE_ERROR_FACTOR * square * films.narrowing_factor * films.inertia_remainder
+        + square * films.narrowing_factor * films.slip_remainder_fraction * fine.layer_magnitude_sum
     )
     rest = fine.layer - coarse.layer
     error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
     return _asymptotic_forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
 
 
-def _exact_second_order(films: Films) -> tuple[Expansion, np.ndarray]:
+def _expansion_exact_to_order_2(films: Films) -> tuple[MeanPressureExpansion, np.ndarray]:
     """An expansion with its part of order ε² exchanged for the exact one, and what that changes."""
-    full, exact, square = _second_order_change(films), _second_order(films), films.epsilon**2
-    second = _second_order_change(
-        replace(films, epsilon=np.full_like(films.epsilon, SECOND_ORDER_EPSILON))
+    full, exact, square = (
+        _high_squeeze_expansion(films),
+        _second_order_mean(films),
+        films.epsilon**2,
     )
-    density = exact.flow - exact.loss - second.density / SECOND_ORDER_EPSILON**2
-    layer = exact.edge_mean - second.layer / SECOND_ORDER_EPSILON**2
-    changed = Expansion(
-        full.density + per_film(square) * density, full.layer + square * layer, full.gross
+    second = _high_squeeze_expansion(
+        replace(films, epsilon=np.full_like(films.epsilon, SECOND_ORDER_PROBE_EPSILON))
+    )
+    density = exact.flow - exact.loss_density - second.density / SECOND_ORDER_PROBE_EPSILON**2
+    layer = exact.edge_driven_mean - second.layer / SECOND_ORDER_PROBE_EPSILON**2
+    changed = MeanPressureExpansion(
+        full.density + broadcast_over_field(square) * density,
+        full.layer + square * layer,
+        full.layer_magnitude_sum,
     )
     return changed, square * (films.mean(density) + layer)
 
 
-def _second_order_change(films: Films) -> Expansion:
+def _high_squeeze_expansion(films: Films) -> MeanPressureExpansion:
     return (
         core.expand_with_inertia(films)
         if films.reynolds.any()
@@ -208,8 +223,8 @@ def _second_order_change(films: Films) -> Expansion:
     )
 
 
-def _second_order(films: Films) -> SecondOrder:
-    if films.rest_gap is not None:
+def _second_order_mean(films: Films) -> SecondOrderMean:
+    if films.static_gap is not None:
         raise ValueError("the second order in ε is derived for gaps that are uniform at rest")
     inertia = films.reynolds.any()
     return core.second_order_mean_with_inertia(films) if inertia else core.second_order_mean(films)
@@ -217,7 +232,7 @@ def _second_order(films: Films) -> SecondOrder:
 
 def _asymptotic_forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
     """Forces, with an infinite error where layers are too thick or the layer's table ends."""
-    thin = films.decay_number * np.minimum(1, films.aspect) ** 2 >= MIN_EXPANSION_SIGMA
+    thin = films.decay_squeeze_number * np.minimum(1, films.aspect) ** 2 >= MIN_EXPANSION_SIGMA
     return AsymptoticForces(mean=mean, error=_infinite_where_missing(np.where(thin, error, np.inf)))
 
 
@@ -227,7 +242,7 @@ def _infinite_where_missing(error: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Expanded:
+class ExpansionResults:
     """Mean gauge pressures of scenes by an expansion, error estimates, and the grids behind them.
 
     Attributes:
@@ -243,16 +258,16 @@ class Expanded:
     ny: np.ndarray
 
     @classmethod
-    def of(cls, rows: np.ndarray | Sequence[int]) -> Expanded:
+    def of(cls, rows: np.ndarray | Sequence[int]) -> ExpansionResults:
         """Results that are not known yet."""
         rows = np.asarray(rows, dtype=np.int64)
         numbers, points = np.full((2, len(rows)), np.nan), np.zeros((2, len(rows)), dtype=np.int64)
         return cls(rows, *numbers, *points)
 
-    def __getitem__(self, which: np.ndarray) -> Expanded:
-        return Expanded(*[column[which] for column in vars(self).values()])
+    def __getitem__(self, which: np.ndarray) -> ExpansionResults:
+        return ExpansionResults(*[column[which] for column in vars(self).values()])
 
-    def write_rows(self, which: np.ndarray, others: Expanded) -> None:
+    def replace_rows(self, which: np.ndarray, others: ExpansionResults) -> None:
         """Write others in the place of some."""
         for name, column in vars(self).items():
             column[which] = getattr(others, name)
@@ -268,7 +283,7 @@ class Expanded:
         nothing = np.where(self.error == 0, 0.0, np.inf)
         return np.divide(self.error, np.abs(self.mean), out=nothing, where=self.mean != 0)
 
-    def is_accurate(self, tolerance: float) -> np.ndarray:
+    def accurate_mask(self, tolerance: float) -> np.ndarray:
         """Return where the estimate meets a relative tolerance; ``nan`` does not."""
         return np.asarray(self.error <= tolerance * np.abs(self.mean))
 
@@ -281,15 +296,15 @@ class Expanded:
             if holds
             else f"the composite expansion is accurate to {relative:.1e} only"
             for error, holds, relative in zip(
-                self.error, self.is_accurate(tolerance), self.relative_error, strict=True
+                self.error, self.accurate_mask(tolerance), self.relative_error, strict=True
             )
         ]
 
 
-NOT_EXPANDED = Expanded.of([])
+EMPTY_EXPANSION_RESULTS = ExpansionResults.of([])
 
 
-def reasons_not_expanded(plan: Plan) -> dict[int, str]:
+def reasons_not_expanded(plan: SolvePlan) -> dict[int, str]:
     """The scenes of whose force there is no expansion, and why."""
     still = np.flatnonzero(plan.scenes.epsilon == 0).tolist()
     reason = "the composite expansion is derived for a surface that vibrates"
@@ -301,7 +316,7 @@ def _reason_not_expanded(scene: Scene, terms: Terms) -> str:
     what = "the composite expansion is derived for"
     if scene.pad.shape != "rectangle":
         return f"{what} rectangular pads"
-    unknown = [term.label for term in terms if not term.IN_EXPANSIONS]
+    unknown = [term.label for term in terms if not term.SUPPORTS_EXPANSIONS]
     if unknown:
         return f"the composite expansion is not derived with {' and '.join(unknown)}"
     others = [term.label for term in terms if not isinstance(term, NonuniformGap)]
@@ -312,9 +327,9 @@ def _reason_not_expanded(scene: Scene, terms: Terms) -> str:
     return ""
 
 
-def composite(
-    plan: Plan, *, tolerance: float, auto: bool, excluded: Collection[int] = ()
-) -> Expanded:
+def composite_forces(
+    plan: SolvePlan, *, tolerance: float, auto: bool, excluded: Collection[int] = ()
+) -> ExpansionResults:
     """The scenes' forces by the composite expansion: the edge layer's alone where that holds the
     tolerance, else with the exact second order in ε where the gap is even at rest.
 
@@ -327,23 +342,23 @@ def composite(
     known = np.ones(len(scenes), dtype=bool)
     if auto:
         shorter = scenes.sigma * np.minimum(1.0, scenes.aspect) ** 2
-        thin = THIN_LAYER_SIGMA * max(1.0, THIN_LAYER_TOLERANCE / tolerance) ** 0.5
-        known = (shorter >= thin) | (scenes.epsilon**2 <= MIN_RESOLVED_MOTION * tolerance)
+        thin = THIN_LAYER_SIGMA * max(1.0, THIN_LAYER_SIGMA_TOLERANCE / tolerance) ** 0.5
+        known = (shorter >= thin) | (scenes.epsilon**2 <= MIN_RESOLVED_EPSILON_SQUARED * tolerance)
         if not known.any():
-            return NOT_EXPANDED
+            return EMPTY_EXPANSION_RESULTS
     known[[*excluded, *reasons_not_expanded(plan)]] = False
     rows = np.flatnonzero(known)
     by_layer = expand_scenes(edge_layer_expansion, plan, rows, tolerance=tolerance)
     flat = np.broadcast_to(scenes.column(lambda film: film.pad.gap.flat), len(scenes))
-    more = np.flatnonzero(flat[rows] & ~by_layer.is_accurate(tolerance))
+    more = np.flatnonzero(flat[rows] & ~by_layer.accurate_mask(tolerance))
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
     # grid's error was twice the tolerance (σ 1e5, 1e-6).
     joined = expand_scenes(
         _composite_or_second_order, plan, rows[more], tolerance=tolerance / 10, layers=True
     )
     better = joined.error < by_layer.error[more]
-    by_layer.write_rows(more[better], joined[better])
-    return by_layer[by_layer.is_accurate(tolerance)] if auto else by_layer
+    by_layer.replace_rows(more[better], joined[better])
+    return by_layer[by_layer.accurate_mask(tolerance)] if auto else by_layer
 
 
 def _composite_or_second_order(films: Films) -> AsymptoticForces:
@@ -358,19 +373,19 @@ def _composite_or_second_order(films: Films) -> AsymptoticForces:
 
 def expand_scenes(
     expand: ExpansionFunction,
-    plan: Plan,
+    plan: SolvePlan,
     rows: np.ndarray | Sequence[int],
     *,
     tolerance: float,
     layers: bool = False,
-) -> Expanded:
+) -> ExpansionResults:
     """One expansion of some of the scenes; those with one grid together.
 
     Args:
         tolerance: of the grids.
         layers: whether these resolve the layers at the pad's edge.
     """
-    found = Expanded.of(rows)
+    found = ExpansionResults.of(rows)
     scenes = plan.scenes[found.rows]
     sigma = scenes.sigma if layers else np.ones(len(scenes))
     # The error estimate uses every other node, which must resolve the profile too.
@@ -387,7 +402,7 @@ def expand_scenes(
         scenes.column(lambda film: film.pad.gap.flat),
     ]
     columns = [np.broadcast_to(each, len(scenes)) for each in (found.nx, found.ny, *kinds)]
-    for group in rows_by_value(*columns):
+    for group in equal_row_groups(*columns):
         for start in range(0, len(group), SCENES_PER_BATCH):
             batch = group[start : start + SCENES_PER_BATCH]
             forces = expand(
@@ -400,7 +415,7 @@ def expand_scenes(
 def _films_of_scenes(scenes: Scenes, *, nx: int, ny: int) -> Films:
     x, y = np.meshgrid(expansion_axis(nx).all_nodes, expansion_axis(ny).all_nodes, indexing="ij")
     like = scenes.films[scenes.film_index[0]]
-    amplitudes, which = scenes.find_at_positions(
+    amplitudes, which = scenes.evaluate_at_positions(
         lambda pad_positions: pad_positions.amplitude(x.ravel(), y.ravel())
     )
     rise_m = scenes.column(lambda film: film.pad.gap.rise_m(x, y))

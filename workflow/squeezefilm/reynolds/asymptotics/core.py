@@ -22,35 +22,36 @@ from math import ceil, log
 import numpy as np
 
 from squeezefilm.reynolds.asymptotics import edge_layer
-from squeezefilm.reynolds.asymptotics.films import Films, find_fixed_point, per_film
+from squeezefilm.reynolds.asymptotics.films import Films, broadcast_over_field, find_fixed_point
 
 # Of the sums over harmonics.
 HARMONIC_SUM_PRECISION, MAX_HARMONICS = 1e-10, 200
 
 
 @dataclass(frozen=True)
-class Expansion:
+class MeanPressureExpansion:
     """A mean gauge pressure to order 1/√σ: the mean of ``density`` over the pad and ``layer``.
 
-    ``gross`` is what ``layer`` is made of without cancellation. Shapes (B, nx + 2, ny + 2), (B,)
-    and (B,).
+    ``layer_magnitude_sum`` is what ``layer`` is made of without cancellation. Shapes (B, nx + 2, ny
+    + 2), (B,) and (B,).
     """
 
     density: np.ndarray
     layer: np.ndarray
-    gross: np.ndarray
+    layer_magnitude_sum: np.ndarray
 
 
 @dataclass(frozen=True)
-class SecondOrder:
-    """The mean gauge pressure over ε² for ε → 0: that of ``flow`` − ``loss``, and ``edge_mean``.
+class SecondOrderMean:
+    """The mean gauge pressure over ε² for ε → 0: that of ``flow`` − ``loss_density``, and
+    ``edge_driven_mean``.
 
-    ``edge_mean``, shape (B,), is what the edge drives by itself.
+    ``edge_driven_mean``, shape (B,), is what the edge drives by itself.
     """
 
     flow: np.ndarray
-    loss: np.ndarray
-    edge_mean: np.ndarray
+    loss_density: np.ndarray
+    edge_driven_mean: np.ndarray
 
 
 def layer_correction(
@@ -70,9 +71,9 @@ def layer_correction(
     return net, films.edge_integral(thick * (np.abs(d) + np.abs(by_core)))
 
 
-def high_squeeze_expansion(films: Films) -> Expansion:
+def high_squeeze_expansion(films: Films) -> MeanPressureExpansion:
     """The high-squeeze limit and its edge layer's correction, without inertia."""
-    square, thick = per_film(films.epsilon) ** 2, 1 + per_film(films.slip)
+    square, thick = broadcast_over_field(films.epsilon) ** 2, 1 + broadcast_over_field(films.slip)
     gap_square = square * films.profile_squared
     # ψ²/2 + slip ψ exceeds its value at rest by rise/2, of which `inner` is the part that makes it
     # harmonic.
@@ -86,7 +87,7 @@ def high_squeeze_expansion(films: Films) -> Expansion:
     # ψ/√(1 − ε²s²) − 1, free of cancellation.
     density = (rise / (total + thick) + gap_square / (1 + root)) / root
     epsilon = films.epsilon[:, None]
-    d, g, q = epsilon**2 * edge_layer.layer_ratios(epsilon * np.abs(films.edge_profile))
+    d, g, q = epsilon**2 * edge_layer.scaled_layer_integrals(epsilon * np.abs(films.edge_profile))
     # With s as its phase, the slope's part in phase goes by g, else by q.
     turned = films.edge_profile.conj() * films.slope
     layer, gross = layer_correction(
@@ -95,24 +96,29 @@ def high_squeeze_expansion(films: Films) -> Expansion:
         change=g * turned.real + q * turned.imag,
         influence=-films.inward(films.solve_diffusion(1 / (2 * total * root))),
     )
-    return Expansion(density=density, layer=layer, gross=gross)
+    return MeanPressureExpansion(density=density, layer=layer, layer_magnitude_sum=gross)
 
 
-def second_order_mean(films: Films) -> SecondOrder:
+def second_order_mean(films: Films) -> SecondOrderMean:
     """Densities v and |p̂|²/(4 (1 + slip)) of the mean over ε² (``small_amplitude_expansion``)."""
-    thick, number = 1 + per_film(films.slip), per_film(films.layer_number)
+    thick, number = (
+        1 + broadcast_over_field(films.slip),
+        broadcast_over_field(films.layer_squeeze_number),
+    )
     linear = films.solve(1j * number * films.s, shift=1j * number)
     # 2 Re s*∇p̂ = Re ∇(s* p̂) + Re (s*∇p̂ − p̂ ∇s*): the first part is integrated by itself and the
     # divergence of the second needs no derivative of p̂, whose Laplacian is iσ(p̂ + s).
     along = films.s.conj() * linear
-    rest = films.solve(-number * along.imag - (linear * films.laplacian_s.conj()).real)
+    rest = films.solve(-number * along.imag - (linear * films.profile_laplacian.conj()).real)
     drive = 0.75 * (1 + 2 * thick) / (3 * thick)
     flow = -drive * (along.real + rest)
     loss = np.abs(linear) ** 2 / (4 * thick)
-    return SecondOrder(flow=flow, loss=loss, edge_mean=np.zeros_like(films.epsilon))
+    return SecondOrderMean(
+        flow=flow, loss_density=loss, edge_driven_mean=np.zeros_like(films.epsilon)
+    )
 
 
-def core_coefficient(
+def core_coefficient_and_slope(
     gap_square: np.ndarray, rate_square: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the core coefficient β(a², c²) and ∂β/∂c², shaped as the arguments."""
@@ -131,53 +137,53 @@ def core_coefficient(
     return beta, change
 
 
-def expand_with_inertia(films: Films) -> Expansion:
+def expand_with_inertia(films: Films) -> MeanPressureExpansion:
     """The high-squeeze limit and its edge layer's correction, with inertia and without slip."""
-    gap_square = per_film(films.epsilon) ** 2 * films.s**2
+    gap_square = broadcast_over_field(films.epsilon) ** 2 * films.s**2
     over_gap = films.gradient(gap_square)
-    at_edge, d, g, h = edge_layer.edge_functions(
+    at_edge, d, g, h = edge_layer.inertia_layer_functions(
         films.epsilon[:, None] * films.edge_profile, films.reynolds
     )
-    at_edge = films.blended_from_edge(at_edge)
+    at_edge = films.blend_edge_values(at_edge)
     curvature = films.laplacian(at_edge)
-    rate_square = per_film(films.reynolds / 10) ** 2
+    rate_square = broadcast_over_field(films.reynolds / 10) ** 2
 
-    def rise_iteration(rise: np.ndarray) -> np.ndarray:
-        beta, _ = core_coefficient(gap_square, rate_square * (1 + rise))
+    def next_psi_squared_rise(rise: np.ndarray) -> np.ndarray:
+        beta, _ = core_coefficient_and_slope(gap_square, rate_square * (1 + rise))
         flux = (
             beta * (gap_square * along - (1 + rise) * slope)
             for along, slope in zip(films.gradient(rise), over_gap, strict=True)
         )
         return at_edge + films.solve(films.divergence(*flux) - curvature)
 
-    rise = find_fixed_point(rise_iteration, at_edge)
+    rise = find_fixed_point(next_psi_squared_rise, at_edge)
     total, root = np.sqrt(1 + rise), np.sqrt(1 - gap_square)
     density = (rise / (total + 1) + gap_square / (1 + root)) / root
 
     # The core's equation is linear in a small change u of ψ²: ∇·(α∇u + b u) = 0.
-    beta, change = core_coefficient(gap_square, rate_square * (1 + rise))
+    beta, change = core_coefficient_and_slope(gap_square, rate_square * (1 + rise))
     drift = [
         beta * slope + rate_square * change * ((1 + rise) * slope - gap_square * along)
         for along, slope in zip(films.gradient(rise), over_gap, strict=True)
     ]
     weight = 1 / (2 * total * root)
 
-    def adjoint_iteration(chi: np.ndarray) -> np.ndarray:
+    def next_adjoint_iterate(chi: np.ndarray) -> np.ndarray:
         along = films.gradient(chi)
         flux = films.divergence(*(gap_square * beta * gradient for gradient in along))
         return films.solve(weight + flux + drift[0] * along[0] + drift[1] * along[1])
 
-    chi = find_fixed_point(adjoint_iteration, films.solve(weight))
+    chi = find_fixed_point(next_adjoint_iterate, films.solve(weight))
     layer, gross = layer_correction(
         films,
         d=d,
         change=g * films.epsilon[:, None] * films.slope + h * films.inward(rise),
-        influence=-films.on_edge(1 - gap_square * beta) * films.inward(chi),
+        influence=-films.edge_values(1 - gap_square * beta) * films.inward(chi),
     )
-    return Expansion(density=density, layer=layer, gross=gross)
+    return MeanPressureExpansion(density=density, layer=layer, layer_magnitude_sum=gross)
 
 
-def second_order_mean_with_inertia(films: Films) -> SecondOrder:
+def second_order_mean_with_inertia(films: Films) -> SecondOrderMean:
     """The mean over ε² for ε → 0, any σ (see ``composite.small_amplitude_expansion``).
 
     With m = 1/(1 + i Re/10) and λ = iσ/m the linear pressure obeys ∇²p̂ = λ(p̂ + s) and the mean
@@ -188,7 +194,7 @@ def second_order_mean_with_inertia(films: Films) -> SecondOrder:
 
     Products are brought under Laplacians, so that no derivative of p̂ is needed inside.
     """
-    ratio, number = per_film(films.reynolds / 10), per_film(films.sigma)
+    ratio, number = broadcast_over_field(films.reynolds / 10), broadcast_over_field(films.sigma)
     mobility = 1 / (1 + 1j * ratio)
     lag = 1j * number / mobility
     square_factor, profile_factor = 8 / 7 - 15 / 7 * mobility, 15 / 7 - 22 / 7 * mobility
@@ -196,7 +202,9 @@ def second_order_mean_with_inertia(films: Films) -> SecondOrder:
     curved = lag * (linear + films.s)
     crossed = linear.conj() * curved
     direct = 0.25 * films.s * ((profile_factor - 2) * linear).real
-    source = 0.25 * ((profile_factor - 2) * (films.s * curved - linear * films.laplacian_s)).real
+    source = (
+        0.25 * ((profile_factor - 2) * (films.s * curved - linear * films.profile_laplacian)).real
+    )
     source = source + 0.5 * ((square_factor * crossed).real - square_factor.real * crossed.real)
     kinetic = 9 / 28 * ratio * np.abs(mobility) ** 2 / number
     # Over the pad |∇p̂|² has the mean of −Re p̂*∇²p̂.
@@ -204,4 +212,6 @@ def second_order_mean_with_inertia(films: Films) -> SecondOrder:
     loss = -0.25 * square_factor.real * np.abs(linear) ** 2
     influence = -films.inward(films.solve(np.ones(films.s.shape)))
     at_edge = kinetic[:, 0] * np.abs(films.inward(linear)) ** 2
-    return SecondOrder(flow=flow, loss=loss, edge_mean=films.edge_integral(influence * at_edge))
+    return SecondOrderMean(
+        flow=flow, loss_density=loss, edge_driven_mean=films.edge_integral(influence * at_edge)
+    )

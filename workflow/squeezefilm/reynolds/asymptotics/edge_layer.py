@@ -52,64 +52,64 @@ from numpy.polynomial import chebyshev
 
 from squeezefilm.reynolds.spectral import Axis
 
-LAYER_TABLE = Path(__file__).with_name("edge_layer.csv")
-LAYER_TABLE_WITH_INERTIA = Path(__file__).with_name("edge_layer_with_inertia.csv")
+LAYER_TABLE_PATH = Path(__file__).with_name("edge_layer.csv")
+LAYER_TABLE_WITH_INERTIA_PATH = Path(__file__).with_name("edge_layer_with_inertia.csv")
 MAX_TABLE_REYNOLDS = 10.0
-REYNOLDS_NUMBER_COUNT, EXCURSIONS_WITH_INERTIA = 14, 18
+REYNOLDS_NUMBER_COUNT, EXCURSION_COUNT_WITH_INERTIA = 14, 18
 MAX_TABLE_EXCURSION = 0.98
 EXCURSION_COUNT = 41
 
 
 def layer_integrals(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """d and g at excursion ratios |a| ≤ MAX_TABLE_EXCURSION, any shape; beyond, both are NaN."""
-    d, g, _ = layer_ratios(a)
+    d, g, _ = scaled_layer_integrals(a)
     return np.square(a) * d, a * g
 
 
-def layer_ratios(a: np.ndarray) -> np.ndarray:
+def scaled_layer_integrals(a: np.ndarray) -> np.ndarray:
     """d/a², g/a and q/a at excursion ratios |a| ≤ MAX_TABLE_EXCURSION, shape (3, …); NaN beyond."""
     size = np.abs(np.asarray(a, dtype=float))
     table_coordinate = (
         2
-        * log_narrowing(np.minimum(size, MAX_TABLE_EXCURSION))
-        / log_narrowing(MAX_TABLE_EXCURSION)
+        * log_narrowing_factor(np.minimum(size, MAX_TABLE_EXCURSION))
+        / log_narrowing_factor(MAX_TABLE_EXCURSION)
         - 1
     )
     # All polynomials at once: chebval goes through them one by one.
     polynomials = np.cos(
         np.multiply.outer(np.arange(EXCURSION_COUNT), np.arccos(np.clip(table_coordinate, -1, 1)))
     )
-    values = np.tensordot(_layer_series().T, polynomials, axes=1)
+    values = np.tensordot(_layer_table_coefficients().T, polynomials, axes=1)
     return np.where(size > MAX_TABLE_EXCURSION * (1 + 1e-12), np.nan, values)
 
 
 @lru_cache(maxsize=256)
-def weights_with_ends(line: Axis) -> np.ndarray:
+def quadrature_weights_with_ends(line: Axis) -> np.ndarray:
     """Clenshaw–Curtis weights on all nodes of an unfolded axis, ends included, shape (n + 2,)."""
     order = line.points + 1
     end = 1 / order**2 if order % 2 else 1 / (order**2 - 1)
     return np.concatenate([[end / 2], line.weights, [end / 2]])
 
 
-def log_narrowing(a: np.ndarray | float) -> np.ndarray:
+def log_narrowing_factor(a: np.ndarray | float) -> np.ndarray:
     """Return −ln(1 − a²), in which the tables have Chebyshev points."""
     return -np.log1p(-np.square(a))
 
 
 @lru_cache(maxsize=1)
-def _layer_series() -> np.ndarray:
+def _layer_table_coefficients() -> np.ndarray:
     """Chebyshev coefficients of d/a², g/a and q/a in −ln(1 − a²), shape (EXCURSION_COUNT, 3)."""
-    rows = np.loadtxt(LAYER_TABLE, delimiter=",", skiprows=1)
-    nodes = 2 * log_narrowing(rows[:, 0]) / log_narrowing(MAX_TABLE_EXCURSION) - 1
+    rows = np.loadtxt(LAYER_TABLE_PATH, delimiter=",", skiprows=1)
+    nodes = 2 * log_narrowing_factor(rows[:, 0]) / log_narrowing_factor(MAX_TABLE_EXCURSION) - 1
     return np.linalg.solve(chebyshev.chebvander(nodes, EXCURSION_COUNT - 1), rows[:, 1:])
 
 
-def largest_excursion(reynolds: np.ndarray | float) -> np.ndarray:
+def max_excursion_with_inertia(reynolds: np.ndarray | float) -> np.ndarray:
     """The largest excursion ratio of the table: 0.9 without inertia, 0.4 at Re = 10."""
     return 0.9 / (1 + np.asarray(reynolds, dtype=float) / 8)
 
 
-def edge_functions(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
+def inertia_layer_functions(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
     """ψ² − 1, d, g and h at excursion ratios ``a``, (B, …), of films with ``reynolds``, (B,).
 
     They have the shape (4, B, …) and are NaN beyond the table. ψ² is changed by
@@ -117,15 +117,17 @@ def edge_functions(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
     """
     reynolds = np.asarray(reynolds, dtype=float)
     films = a.reshape(len(reynolds), -1)
-    most = largest_excursion(reynolds)[:, None]
+    most = max_excursion_with_inertia(reynolds)[:, None]
     inside = (np.abs(films) <= most) & (reynolds[:, None] <= MAX_TABLE_REYNOLDS)
-    table_coordinate = 2 * log_narrowing(np.minimum(np.abs(films), most)) / log_narrowing(most) - 1
-    powers = chebyshev.chebvander(table_coordinate, EXCURSIONS_WITH_INERTIA - 1)
+    table_coordinate = (
+        2 * log_narrowing_factor(np.minimum(np.abs(films), most)) / log_narrowing_factor(most) - 1
+    )
+    powers = chebyshev.chebvander(table_coordinate, EXCURSION_COUNT_WITH_INERTIA - 1)
     of_film = chebyshev.chebvander(
         2 * np.minimum(reynolds, MAX_TABLE_REYNOLDS) / MAX_TABLE_REYNOLDS - 1,
         REYNOLDS_NUMBER_COUNT - 1,
     )
-    series = np.einsum("br,kra->bka", of_film, _layer_series_with_inertia())
+    series = np.einsum("br,kra->bka", of_film, _inertia_table_coefficients())
     values = np.einsum("bka,bma->kbm", series, powers)
     ratio = np.where(inside, films, np.nan)
     scaled = values * np.stack([ratio**2, ratio**2, ratio, ratio**2])
@@ -133,17 +135,17 @@ def edge_functions(a: np.ndarray, reynolds: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=1)
-def _layer_series_with_inertia() -> np.ndarray:
+def _inertia_table_coefficients() -> np.ndarray:
     """Chebyshev coefficients of the functions in Re and a, (4, REYNOLDS_NUMBER_COUNT,
-    EXCURSIONS_WITH_INERTIA)."""
+    EXCURSION_COUNT_WITH_INERTIA)."""
     # Rows Re, a, (ψ² − 1)/a², d/a², g/a, h/a².
-    rows = np.loadtxt(LAYER_TABLE_WITH_INERTIA, delimiter=",", skiprows=1)
+    rows = np.loadtxt(LAYER_TABLE_WITH_INERTIA_PATH, delimiter=",", skiprows=1)
     values = np.moveaxis(
-        rows[:, 2:].reshape(REYNOLDS_NUMBER_COUNT, EXCURSIONS_WITH_INERTIA, 4), 2, 0
+        rows[:, 2:].reshape(REYNOLDS_NUMBER_COUNT, EXCURSION_COUNT_WITH_INERTIA, 4), 2, 0
     )
     of_reynolds, of_a = (
         np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts1(count), count - 1))
-        for count in (REYNOLDS_NUMBER_COUNT, EXCURSIONS_WITH_INERTIA)
+        for count in (REYNOLDS_NUMBER_COUNT, EXCURSION_COUNT_WITH_INERTIA)
     )
     series: np.ndarray = of_reynolds @ values @ of_a.T
     return series

@@ -8,18 +8,27 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from squeezefilm.reynolds.asymptotics.edge_layer import weights_with_ends
-from squeezefilm.reynolds.spectral import Axis, axis
+from squeezefilm.reynolds.asymptotics.edge_layer import quadrature_weights_with_ends
+from squeezefilm.reynolds.spectral import Axis, cached_axis
 
 # The error estimates' constants.
-EDGE_SLOPE_FACTOR, INNER_CURVATURE_FACTOR, CORNER_FACTOR, MEETING_LAYERS_FACTOR = 4.5, 3.0, 0.9, 4.5
-STIFF_FILM_AMPLITUDE_FACTOR, FREE_FLOW_AMPLITUDE_FACTOR, FREE_FLOW_SIGMA = 0.8, 6.0, 6.0
-QUADRATURE_STREAMING_FACTOR = 1.5
-STATIC_GAP_FACTOR = 0.02
-SLIP_REMAINDER_FACTOR = 0.5
-INERTIA_SLOPE_FACTOR, INERTIA_CORNER_FACTOR, INERTIA_SQUARE_FACTOR = 1.8, 1.2, 2.0
+(
+    EDGE_SLOPE_ERROR_FACTOR,
+    INNER_CURVATURE_ERROR_FACTOR,
+    CORNER_ERROR_FACTOR,
+    MEETING_LAYERS_ERROR_FACTOR,
+) = 4.5, 3.0, 0.9, 4.5
+STIFF_FILM_ERROR_FACTOR, FREE_FLOW_ERROR_FACTOR, FREE_FLOW_SIGMA = 0.8, 6.0, 6.0
+STREAMING_ERROR_FACTOR = 1.5
+STATIC_GAP_ERROR_FACTOR = 0.02
+SLIP_ERROR_FACTOR = 0.5
+INERTIA_SLOPE_ERROR_FACTOR, INERTIA_CORNER_ERROR_FACTOR, INERTIA_COMPOSITE_ERROR_FACTOR = (
+    1.8,
+    1.2,
+    2.0,
+)
 # Forces on two grids can agree by cancellation where the densities do not.
-MIN_FRACTION_OF_DENSITY_CHANGE = 0.1
+MIN_ERROR_PER_DENSITY_CHANGE = 0.1
 
 # Of the rounds that solve for the core with inertia, or under a gap that is shaped at rest.
 FIXED_POINT_PRECISION, MAX_FIXED_POINT_ROUNDS = 1e-11, 100
@@ -31,7 +40,7 @@ def expansion_axis(points: int) -> Axis:
     """The axis of an expansion's grid: ``points`` unknowns, odd: every other node makes a grid."""
     if points % 2 == 0 or points < 5:
         raise ValueError(f"{points} points: the grid of an expansion has an odd number, at least 5")
-    return axis(points, False)
+    return cached_axis(points, False)
 
 
 @dataclass(frozen=True)
@@ -41,7 +50,7 @@ class Films:
     Fields have shape (B, nx + 2, ny + 2); values on the edge (B, 2 (nx + ny + 4)), side after side:
     x = 0, x = 1, y = 0, y = aspect. Lengths are in units of the side along x. Two quadrature
     components have s₁ + i s₂ for s. For a non-uniform gap at rest s is over that gap, which is
-    ``rest_gap``, in units of h0; None for a uniform one.
+    ``static_gap``, in units of h0; None for a uniform one.
     """
 
     epsilon: np.ndarray
@@ -50,21 +59,21 @@ class Films:
     aspect: np.ndarray
     slip: np.ndarray
     reynolds: np.ndarray
-    rest_gap: np.ndarray | None = None
+    static_gap: np.ndarray | None = None
 
     @property
     def x_axis(self) -> Axis:
-        return axis(self.s.shape[1] - 2, False)
+        return cached_axis(self.s.shape[1] - 2, False)
 
     @property
     def y_axis(self) -> Axis:
-        return axis(self.s.shape[2] - 2, False)
+        return cached_axis(self.s.shape[2] - 2, False)
 
     @property
-    def coarser(self) -> Films:
+    def coarser_films(self) -> Films:
         """The same films on every other node."""
-        rest_gap = None if self.rest_gap is None else self.rest_gap[:, ::2, ::2]
-        return replace(self, s=self.s[:, ::2, ::2], rest_gap=rest_gap)
+        rest_gap = None if self.static_gap is None else self.static_gap[:, ::2, ::2]
+        return replace(self, s=self.s[:, ::2, ::2], static_gap=rest_gap)
 
     def take(self, which: np.ndarray) -> Films:
         """Some of the films, by a mask (B,); those with inertia have an even gap."""
@@ -73,26 +82,30 @@ class Films:
 
     def mean(self, field: np.ndarray) -> np.ndarray:
         """Mean over the pad, shape (B,)."""
-        return (field @ weights_with_ends(self.y_axis)) @ weights_with_ends(self.x_axis)
+        return (field @ quadrature_weights_with_ends(self.y_axis)) @ quadrature_weights_with_ends(
+            self.x_axis
+        )
 
     def gradient(self, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives along x and y."""
-        along_y = field @ self.y_axis.derivative.T / per_film(self.aspect)
+        along_y = field @ self.y_axis.derivative.T / broadcast_over_field(self.aspect)
         return self.x_axis.derivative @ field, along_y
 
     def divergence(self, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:
-        across = along_y @ self.y_axis.derivative.T / per_film(self.aspect)
+        across = along_y @ self.y_axis.derivative.T / broadcast_over_field(self.aspect)
         return self.x_axis.derivative @ along_x + across
 
     def laplacian(self, field: np.ndarray) -> np.ndarray:
-        along_y = (field @ _second_derivative(self.y_axis.points).T) / per_film(self.aspect) ** 2
-        return _second_derivative(self.x_axis.points) @ field + along_y
+        along_y = (field @ _second_derivative_matrix(self.y_axis.points).T) / broadcast_over_field(
+            self.aspect
+        ) ** 2
+        return _second_derivative_matrix(self.x_axis.points) @ field + along_y
 
     def solve(self, source: np.ndarray, *, shift: np.ndarray | float = 0.0) -> np.ndarray:
         """The u with ∇²u − shift u = source that is zero on the edge; by fast diagonalisation."""
         values_x, vectors_x, inverse_x = self.x_axis.modes
         values_y, vectors_y, inverse_y = self.y_axis.modes
-        divisor = values_x[:, None] + values_y / per_film(self.aspect) ** 2 - shift
+        divisor = values_x[:, None] + values_y / broadcast_over_field(self.aspect) ** 2 - shift
         modes = inverse_x @ source[:, 1:-1, 1:-1] @ inverse_y.T / divisor
         u = np.zeros(source.shape, dtype=modes.dtype)
         u[:, 1:-1, 1:-1] = vectors_x @ modes @ vectors_y.T
@@ -100,10 +113,10 @@ class Films:
 
     def diffusion(self, field: np.ndarray) -> np.ndarray:
         """∇·(G³∇field) with the gap at rest G."""
-        if self.rest_gap is None:
+        if self.static_gap is None:
             return self.laplacian(field)
         along_x, along_y = self.gradient(field)
-        return self.divergence(self.rest_gap**3 * along_x, self.rest_gap**3 * along_y)
+        return self.divergence(self.static_gap**3 * along_x, self.static_gap**3 * along_y)
 
     def solve_diffusion(self, source: np.ndarray) -> np.ndarray:
         """The u with ∇·(G³∇u) = source that is zero on the edge; NaN where none is found.
@@ -111,22 +124,22 @@ class Films:
         With v = G^(3/2) u that is Δv − q v = source/G^(3/2), q = Δ(G^(3/2))/G^(3/2) (Liouville),
         where q is nearly the same everywhere: in rounds by Δ less its middle.
         """
-        if self.rest_gap is None:
+        if self.static_gap is None:
             return self.solve(source)
-        half = self.rest_gap**1.5
+        half = self.static_gap**1.5
         bend = self.laplacian(half) / half
-        middle = per_film((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
+        middle = broadcast_over_field((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
 
         def next_iterate(v: np.ndarray) -> np.ndarray:
             return self.solve(source / half + (bend - middle) * v, shift=middle)
 
         return find_fixed_point(next_iterate, np.zeros_like(half)) / half
 
-    def on_edge(self, field: np.ndarray) -> np.ndarray:
+    def edge_values(self, field: np.ndarray) -> np.ndarray:
         sides = [field[:, 0], field[:, -1], field[:, :, 0], field[:, :, -1]]
         return np.concatenate(sides, axis=1)
 
-    def blended_from_edge(self, values: np.ndarray) -> np.ndarray:
+    def blend_edge_values(self, values: np.ndarray) -> np.ndarray:
         """A smooth field with these values on the edge, blended between opposite sides (Coons)."""
         nx, ny = self.x_axis.points + 2, self.y_axis.points + 2
         left, right, low, high = np.split(values, [ny, 2 * ny, 2 * ny + nx], axis=1)
@@ -144,14 +157,16 @@ class Films:
         """Derivative along the inward normal, on the edge."""
         ends_x, ends_y = self.x_axis.derivative[[0, -1]], self.y_axis.derivative[[0, -1]]
         across_x = ends_x @ field
-        across_y = field @ ends_y.T / per_film(self.aspect)
+        across_y = field @ ends_y.T / broadcast_over_field(self.aspect)
         sides = [across_x[:, 0], -across_x[:, 1], across_y[:, :, 0], -across_y[:, :, 1]]
         return np.concatenate(sides, axis=1)
 
     def edge_integral(self, values: np.ndarray) -> np.ndarray:
         """Integral along the edge over the pad's area, shape (B,)."""
         sides = np.split(values, [2 * (self.y_axis.points + 2)], axis=1)
-        weights = (np.tile(weights_with_ends(line), 2) for line in (self.y_axis, self.x_axis))
+        weights = (
+            np.tile(quadrature_weights_with_ends(line), 2) for line in (self.y_axis, self.x_axis)
+        )
         along_y, along_x = (
             side @ weights_of_side for side, weights_of_side in zip(sides, weights, strict=True)
         )
@@ -161,7 +176,7 @@ class Films:
     @cached_property
     def static_gap_on_edge(self) -> np.ndarray | float:
         """The static gap over h0 on the film edge."""
-        return 1.0 if self.rest_gap is None else self.on_edge(self.rest_gap)
+        return 1.0 if self.static_gap is None else self.edge_values(self.static_gap)
 
     @cached_property
     def profile_squared(self) -> np.ndarray:
@@ -171,7 +186,7 @@ class Films:
     @cached_property
     def edge_profile(self) -> np.ndarray:
         """The profile on the edge."""
-        return self.on_edge(self.s)
+        return self.edge_values(self.s)
 
     @cached_property
     def slope(self) -> np.ndarray:
@@ -179,63 +194,69 @@ class Films:
         return self.inward(self.s)
 
     @cached_property
-    def laplacian_s(self) -> np.ndarray:
+    def profile_laplacian(self) -> np.ndarray:
         """∇²s."""
         return self.laplacian(self.s)
 
     @cached_property
-    def narrowing(self) -> np.ndarray:
+    def narrowing_factor(self) -> np.ndarray:
         """1/(1 − ε² max s²): grows as the narrowest gap closes."""
         return 1 / (1 - (self.epsilon * np.abs(self.s).max(axis=(1, 2))) ** 2)
 
     @property
-    def layer_number(self) -> np.ndarray:
+    def layer_squeeze_number(self) -> np.ndarray:
         """Squeeze number that sets the layer's thickness: slip makes gas flow more freely.
 
         Where the gap at rest is not even, that of its widest place.
         """
-        widest = 1.0 if self.rest_gap is None else self.rest_gap.max(axis=(1, 2))
+        widest = 1.0 if self.static_gap is None else self.static_gap.max(axis=(1, 2))
         return self.sigma / ((1 + self.slip) * widest**2)
 
     @property
-    def decay_number(self) -> np.ndarray:
+    def decay_squeeze_number(self) -> np.ndarray:
         """Squeeze number of a layer that decays as fast: with inertia, waves reach farther."""
         ratio = self.reynolds / 10
-        return self.layer_number * (np.hypot(1, ratio) - ratio)
+        return self.layer_squeeze_number * (np.hypot(1, ratio) - ratio)
 
     @property
-    def slip_fraction(self) -> np.ndarray:
+    def slip_remainder_fraction(self) -> np.ndarray:
         """Relative change of the layer by slip beyond the change of its thickness, at most."""
-        return SLIP_REMAINDER_FACTOR * self.slip
+        return SLIP_ERROR_FACTOR * self.slip
 
     @property
     def corner_remainder(self) -> np.ndarray:
         """Error from the corners, where two layers meet: of order ε⁴/σ."""
         corners = self.profile_squared[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1)
         return (
-            CORNER_FACTOR
+            CORNER_ERROR_FACTOR
             * self.epsilon**4
-            * self.narrowing
+            * self.narrowing_factor
             * corners
-            / (self.layer_number * self.aspect)
+            / (self.layer_squeeze_number * self.aspect)
         )
 
     @property
     def layer_remainder(self) -> np.ndarray:
         """Error of the edge layer's expansion: slopes, curvature of s, corners, meeting layers."""
-        sigma = self.layer_number
-        curvature = self.mean(np.abs(self.laplacian_s) ** 2)
-        meeting = np.exp(-np.sqrt(self.decay_number / 2) * np.minimum(1, self.aspect))
-        remainder = self.corner_remainder + np.sqrt(self.narrowing) * self.inertia_remainder
+        sigma = self.layer_squeeze_number
+        curvature = self.mean(np.abs(self.profile_laplacian) ** 2)
+        meeting = np.exp(-np.sqrt(self.decay_squeeze_number / 2) * np.minimum(1, self.aspect))
+        remainder = self.corner_remainder + np.sqrt(self.narrowing_factor) * self.inertia_remainder
         return (
             remainder
             + self.streaming_remainder
-            + self.shape_remainder
+            + self.static_gap_remainder
             + self.epsilon**2
             * (
-                EDGE_SLOPE_FACTOR * np.sqrt(self.narrowing) * self.edge_unevenness / sigma**1.5
-                + INNER_CURVATURE_FACTOR * np.sqrt(self.narrowing) * curvature / sigma**2
-                + MEETING_LAYERS_FACTOR
+                EDGE_SLOPE_ERROR_FACTOR
+                * np.sqrt(self.narrowing_factor)
+                * self.edge_unevenness_integral
+                / sigma**1.5
+                + INNER_CURVATURE_ERROR_FACTOR
+                * np.sqrt(self.narrowing_factor)
+                * curvature
+                / sigma**2
+                + MEETING_LAYERS_ERROR_FACTOR
                 * self.edge_integral(np.abs(self.edge_profile) ** 2)
                 * meeting
                 / np.sqrt(sigma)
@@ -247,21 +268,21 @@ class Films:
         """Error of the edge layer's expansion by a second quadrature component: of order ε²/σ."""
         if not np.iscomplexobj(self.s):
             return 0.0
-        uneven = self.mean(self.unevenness)
-        root = np.sqrt(self.narrowing)
-        return QUADRATURE_STREAMING_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
+        uneven = self.mean(self.profile_unevenness)
+        root = np.sqrt(self.narrowing_factor)
+        return STREAMING_ERROR_FACTOR * self.epsilon**2 * root * uneven / self.layer_squeeze_number
 
     @property
-    def shape_remainder(self) -> np.ndarray | float:
+    def static_gap_remainder(self) -> np.ndarray | float:
         """Error of the edge layer's expansion by a gap that is shaped at rest: of order ε²/σ."""
-        if self.rest_gap is None:
+        if self.static_gap is None:
             return 0.0
-        along_x, along_y = self.gradient(self.rest_gap)
-        steep = self.on_edge((along_x**2 + along_y**2) / self.rest_gap**2)
-        bent = self.on_edge(np.abs(self.laplacian(self.rest_gap)) / self.rest_gap)
+        along_x, along_y = self.gradient(self.static_gap)
+        steep = self.edge_values((along_x**2 + along_y**2) / self.static_gap**2)
+        bent = self.edge_values(np.abs(self.laplacian(self.static_gap)) / self.static_gap)
         uneven = self.edge_integral((steep + bent) * np.abs(self.edge_profile) ** 2)
-        root = np.sqrt(self.narrowing)
-        return STATIC_GAP_FACTOR * self.epsilon**2 * root * uneven / self.layer_number
+        root = np.sqrt(self.narrowing_factor)
+        return STATIC_GAP_ERROR_FACTOR * self.epsilon**2 * root * uneven / self.layer_squeeze_number
 
     @property
     def inertia_remainder(self) -> np.ndarray | float:
@@ -271,37 +292,38 @@ class Films:
         corners = self.profile_squared[:, [0, 0, -1, -1], [0, -1, 0, -1]].sum(axis=1) / self.aspect
         spread = np.maximum(np.log(self.sigma) - 2.2, 0.5)
         uneven = (
-            INERTIA_SLOPE_FACTOR * self.edge_unevenness + INERTIA_CORNER_FACTOR * spread * corners
+            INERTIA_SLOPE_ERROR_FACTOR * self.edge_unevenness_integral
+            + INERTIA_CORNER_ERROR_FACTOR * spread * corners
         )
-        return self.epsilon**2 * uneven * self.reynolds / 10 / self.decay_number
+        return self.epsilon**2 * uneven * self.reynolds / 10 / self.decay_squeeze_number
 
     @cached_property
-    def edge_unevenness(self) -> np.ndarray:
+    def edge_unevenness_integral(self) -> np.ndarray:
         """Integral of the unevenness along the edge, over the area."""
-        return self.edge_integral(self.on_edge(self.unevenness))
+        return self.edge_integral(self.edge_values(self.profile_unevenness))
 
     @cached_property
-    def unevenness(self) -> np.ndarray:
+    def profile_unevenness(self) -> np.ndarray:
         """|∇s|² + |s ∇²s|."""
         along_x, along_y = self.gradient(self.s)
-        return np.abs(along_x) ** 2 + np.abs(along_y) ** 2 + np.abs(self.s * self.laplacian_s)
+        return np.abs(along_x) ** 2 + np.abs(along_y) ** 2 + np.abs(self.s * self.profile_laplacian)
 
     @property
-    def amplitude_remainder(self) -> np.ndarray:
+    def second_order_remainder(self) -> np.ndarray:
         """Relative error of the second-order mean: of order ε².
 
         From 0.4 ε² where the film is stiff to 21/4 ε² where the gas flows freely (σ → 0, where the
-        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with ``narrowing`` to the power 9/2).
-        For two quadrature components twice that.
+        mean goes like ⟨Ḣ²/H⁶⟩ = ε²/2 (1 + 21 ε²/4 + …) and with ``narrowing_factor`` to the power
+        9/2). For two quadrature components twice that.
         """
-        effective = self.decay_number / (1 + self.aspect**-2.0)
+        effective = self.decay_squeeze_number / (1 + self.aspect**-2.0)
         free = 1 / (1 + (effective / FREE_FLOW_SIGMA) ** 2)
         phases = 2 if np.iscomplexobj(self.s) else 1
         return (
             phases
             * self.epsilon**2
-            * (STIFF_FILM_AMPLITUDE_FACTOR + FREE_FLOW_AMPLITUDE_FACTOR * free)
-            * self.narrowing ** (1 + 3.5 * free)
+            * (STIFF_FILM_ERROR_FACTOR + FREE_FLOW_ERROR_FACTOR * free)
+            * self.narrowing_factor ** (1 + 3.5 * free)
         )
 
 
@@ -348,11 +370,11 @@ def grid_error(
         fine, coarse: densities whose means over the pad are compared, on the two grids.
         layer_change: change of what is not in the densities.
     """
-    half = films.coarser
+    half = films.coarser_films
     change = films.mean(fine) - half.mean(coarse) + layer_change
     return np.maximum(
         np.abs(change),
-        MIN_FRACTION_OF_DENSITY_CHANGE * half.mean(np.abs(fine[:, ::2, ::2] - coarse)),
+        MIN_ERROR_PER_DENSITY_CHANGE * half.mean(np.abs(fine[:, ::2, ::2] - coarse)),
     )
 
 
@@ -365,14 +387,14 @@ def find_fixed_point(step: Callable[[np.ndarray], np.ndarray], start: np.ndarray
         if not np.any(change > FIXED_POINT_PRECISION * np.abs(field).max(axis=(1, 2))):
             break
     settled = change <= 1e3 * FIXED_POINT_PRECISION * np.abs(field).max(axis=(1, 2))
-    return np.where(per_film(settled), field, np.nan)
+    return np.where(broadcast_over_field(settled), field, np.nan)
 
 
-def per_film(values: np.ndarray) -> np.ndarray:
+def broadcast_over_field(values: np.ndarray) -> np.ndarray:
     return values[:, None, None]
 
 
 @lru_cache(maxsize=64)
-def _second_derivative(points: int) -> np.ndarray:
-    first = axis(points, False).derivative
+def _second_derivative_matrix(points: int) -> np.ndarray:
+    first = cached_axis(points, False).derivative
     return first @ first

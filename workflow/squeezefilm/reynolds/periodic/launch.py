@@ -17,26 +17,26 @@ from squeezefilm.reynolds.device import (
     ALIGNMENT_BYTES,
     PADDING_DOUBLES,
     Device,
-    kernel,
+    compiled_kernel,
     run_kernel,
 )
 from squeezefilm.reynolds.error_estimate import resolved_change
 from squeezefilm.reynolds.grid import (
     INTERPOLATION_MATRIX_NAMES,
     Grid,
-    carrying_matrices,
     grid_matrices,
+    interpolation_matrices,
     krylov_iteration_flops,
 )
 from squeezefilm.reynolds.layout import (
     ABSENT_INDEX,
-    Columns,
-    Packed,
+    NamedIntegerColumns,
+    PackedArrays,
     c_hook_calls,
     c_struct,
-    packed,
-    rows_of,
-    with_absent_numbers,
+    fill_absent_numbers,
+    kernel_rows,
+    pack_arrays,
 )
 from squeezefilm.reynolds.packing import (
     common_terms,
@@ -51,7 +51,7 @@ from squeezefilm.reynolds.terms import (
     compiled_terms,
     flow_axis_count,
     flow_term_count,
-    have_velocities,
+    have_velocity_terms,
     is_radial,
     preconditioner_count,
     terms_of,
@@ -88,11 +88,13 @@ RESULT_DTYPE = np.dtype(
 
 # Where the means in time of a batch's scenes on a grid begin, one behind the other, and the size of
 # each; and their states, ABSENT_INDEX and 0 where these do not come back.
-SPAN_DTYPE = np.dtype([(name, np.int64) for name in ("means", "means_size", "state", "state_size")])
+RESULT_SPAN_DTYPE = np.dtype(
+    [(name, np.int64) for name in ("means", "means_size", "state", "state_size")]
+)
 
 
 @dataclass(frozen=True, eq=False)
-class States:
+class PeriodicStates:
     """Periodic states of scenes on one grid, on the host; ``states[k]`` is that of one of them.
 
     Attributes:
@@ -106,12 +108,12 @@ class States:
     unknowns: np.ndarray
     results: np.ndarray
 
-    def __getitem__(self, rows: Any) -> States:
-        return States(self.grid, self.unknowns[rows], self.results[rows])
+    def __getitem__(self, rows: Any) -> PeriodicStates:
+        return PeriodicStates(self.grid, self.unknowns[rows], self.results[rows])
 
-    def copy(self) -> States:
+    def copy(self) -> PeriodicStates:
         """The same in memory of their own, for the arrays of a launch are used again."""
-        return States(self.grid, self.unknowns.copy(), self.results.copy())
+        return PeriodicStates(self.grid, self.unknowns.copy(), self.results.copy())
 
     @property
     def gauge_pressure_ratio(self) -> np.ndarray:
@@ -142,7 +144,7 @@ def _max_krylov_iterations(grid: Grid, terms: Terms) -> int:
 
 
 @lru_cache(maxsize=64)
-def _grid_sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns:
+def _grid_size_columns(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> NamedIntegerColumns:
     """Return the sizes of each grid, by which a kernel finds everything else."""
     sizes = (
         *("nx", "ny", "nt", "most_krylov", "most_iterations"),
@@ -154,16 +156,16 @@ def _grid_sizes(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> Columns
     switched = [term.NAME for term in compiled if term.NAME in SWITCHABLE_TERM_NAMES]
     fields, flow_terms = unknown_field_count(terms), flow_term_count(terms)
     largest = fields * max(grid.count for grid in grids)
-    breaks_x = any("x" in term.BREAKS_SYMMETRY_OF for term in terms)
+    breaks_x = any("x" in term.SYMMETRY_BROKEN_AXES for term in terms)
     values = [
         (
             *grid.shape,
             _max_krylov_iterations(grid, terms),
             MAX_OPERATIONS / 2 / krylov_iteration_flops(grid, terms),
-            grid.x.in_even_odd_parts,
-            grid.y.in_even_odd_parts,
-            grid.x.in_even_odd_parts and not (breaks_x and grid.outline is None),
-            grid.outline is not None and grid.outline.varies_more_with_nu,
+            grid.x.uses_even_odd_parts,
+            grid.y.uses_even_odd_parts,
+            grid.x.uses_even_odd_parts and not (breaks_x and grid.outline is None),
+            grid.outline is not None and grid.outline.jacobian_varies_more_with_nu,
             guessed and stage == 0,
             largest,
             fields,
@@ -220,7 +222,7 @@ class Batch:
         return replace(self, rows=self.rows[part], guess=guess)
 
     @classmethod
-    def joined(cls, batches: Sequence[Batch]) -> Batch:
+    def join_batches(cls, batches: Sequence[Batch]) -> Batch:
         """Batches that go together as one."""
         first = batches[0]
         if len(batches) == 1:
@@ -232,12 +234,12 @@ class Batch:
 
 
 @lru_cache(maxsize=256)
-def _workspace_size(grid: Grid, terms: Terms, flow_terms: int, *, single: bool) -> int:
+def _workspace_doubles(grid: Grid, terms: Terms, flow_terms: int, *, single: bool) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
     most, fields = _max_krylov_iterations(grid, terms), unknown_field_count(terms)
     own = 2 * flow_terms + 3 + work_field_count(compiled_terms(terms), single=single)
     linear = 3 * flow_terms + 10 + (most + 1) * fields
-    matrices = (3 + 6 * have_velocities(terms)) * (grid.nx**2 + grid.ny**2 + grid.nt**2)
+    matrices = (3 + 6 * have_velocity_terms(terms)) * (grid.nx**2 + grid.ny**2 + grid.nt**2)
     if grid.outline:
         matrices += 2 * grid.nx * grid.ny * max(grid.nx, grid.ny) + 32
     small = (most + 4) * (most + 1) + grid.nx * grid.ny
@@ -254,7 +256,7 @@ def solve_batch(
     edge: Mapping[str, np.ndarray] | None = None,
     terms: Terms | None = None,
     most_newton: int = MAX_NEWTON_STEPS,
-) -> States:
+) -> PeriodicStates:
     """The periodic states of scenes of one pad shape and like terms on one grid.
 
     Args:
@@ -274,7 +276,7 @@ def solve_batch(
     launched = launch([batch], device=device, most_newton=most_newton)
     (((states,),)) = launched.states(device)
     kept = states.copy()
-    device.release(*launched.arrays)
+    device.release(*launched.pooled_arrays)
     return kept
 
 
@@ -286,33 +288,33 @@ class Launch:
         kind: the rows' type.
         results: room for what the device says of the scenes, and their first guesses. It begins
             with what is said in rows; kernels read states in vectors.
-        spans: SPAN_DTYPE of each batch on each of its grids.
-        arrays: what ``values`` and ``results`` are the beginnings of, of the device's pool.
+        result_spans: RESULT_SPAN_DTYPE of each batch on each of its grids.
+        pooled_arrays: what ``values`` and ``results`` are the beginnings of, of the device's pool.
         buffer: the device's of ``results``.
         done: the kernel's event.
     """
 
     batches: Sequence[Batch]
-    first_rows: np.ndarray
+    first_row_indices: np.ndarray
     row_dtype: np.dtype[Any]
     rows: np.ndarray
     values: np.ndarray
     results: np.ndarray
-    spans: Sequence[np.ndarray]
-    arrays: Sequence[np.ndarray]
+    result_spans: Sequence[np.ndarray]
+    pooled_arrays: Sequence[np.ndarray]
     buffer: Any = None
     done: Any = None
 
-    def states(self, device: Device) -> list[list[States]]:
+    def states(self, device: Device) -> list[list[PeriodicStates]]:
         """Wait for the device; the states of each batch on each of its grids."""
         device.fetch_buffer(self.results, self.buffer, after=self.done)
         numbers = RESULT_DTYPE.itemsize // 8
         rows_of_results = (
             self.results[: len(self.rows) * numbers].reshape(-1, numbers).view(RESULT_DTYPE)[:, 0]
         )
-        states: list[list[States]] = []
+        states: list[list[PeriodicStates]] = []
         first = 0
-        for batch, spans in zip(self.batches, self.spans, strict=True):
+        for batch, spans in zip(self.batches, self.result_spans, strict=True):
             count, stages = len(batch.scenes), len(batch.grids)
             of_batch = []
             mean_pressures: list[tuple[Grid, np.ndarray]] = []
@@ -322,8 +324,10 @@ class Launch:
                 of_scenes = rows_of_results[first + stage : first + count * stages : stages]
                 means = self.results[begin : begin + count * means_size]
                 mean_pressures.append((grid, means.reshape(count, grid.nx, grid.ny)))
-                of_batch.append(States(grid, unknowns.reshape(count, -1, *grid.shape), of_scenes))
-            if stages > 1 and have_velocities(batch.terms):
+                of_batch.append(
+                    PeriodicStates(grid, unknowns.reshape(count, -1, *grid.shape), of_scenes)
+                )
+            if stages > 1 and have_velocity_terms(batch.terms):
                 of_scenes["resolved"] = resolved_change(*mean_pressures[-2:])
             states.append(of_batch)
             first += count * stages
@@ -331,22 +335,24 @@ class Launch:
 
 
 @lru_cache(maxsize=64)
-def in_single_precision(terms: Terms) -> bool:
+def uses_single_precision(terms: Terms) -> bool:
     """Return whether GMRES works in single precision.
 
     Residual and state are double, so that only its steps are rounded. Most terms' own lines in the
     linear system are written for doubles.
     """
-    return all(term.IN_SINGLE_PRECISION or "response" not in term.KERNEL_HOOKS for term in terms)
+    return all(
+        term.SUPPORTS_SINGLE_PRECISION or "response" not in term.KERNEL_HOOKS for term in terms
+    )
 
 
-def program_terms(terms: Terms) -> tuple[Terms, bool]:
+def program_terms_and_precision(terms: Terms) -> tuple[Terms, bool]:
     """Return the terms that a program has which solves films of some terms, and if in single."""
-    return compiled_terms(terms), in_single_precision(terms)
+    return compiled_terms(terms), uses_single_precision(terms)
 
 
 @lru_cache(maxsize=64)
-def program_sources(terms: Terms, *, single: bool) -> tuple[str, ...]:
+def program_source_files(terms: Terms, *, single: bool) -> tuple[str, ...]:
     """Files that a program of some terms is made of, in order."""
     own = [term.KERNEL_FILE for term in terms if term.KERNEL_FILE]
     vectors = ["vectors.cl"] * (2 if single else 1)
@@ -370,43 +376,44 @@ def launch(
     """
     device.check_process()
     terms = batches[0].terms
-    if device.loops_over_items and work_field_count(terms):
+    if device.loops_over_work_items and work_field_count(terms):
         raise InputError(
             f"PoCL may compile {' and '.join(term.label for term in terms)} for work-groups of "
-            f"{device.work_items} items for many minutes: take one item, as a processor is given "
+            f"{device.work_items_per_group} items for many minutes: take one item, as a "
+            f"processor is given "
             "where none are asked for"
         )
     launched = _packed_launch(batches, device)
-    compiled, single = program_terms(terms)
-    periodic_state = kernel(
+    compiled, single = program_terms_and_precision(terms)
+    periodic_state = compiled_kernel(
         device,
         "periodic_state",
-        sources=program_sources(compiled, single=single),
+        sources=program_source_files(compiled, single=single),
         header=_program_header(compiled, launched.row_dtype, single=single),
     )
     (flow_terms,) = launched.row_dtype["flow"].shape
     sizes = [
-        _workspace_size(grid, terms, flow_terms, single=single)
+        _workspace_doubles(grid, terms, flow_terms, single=single)
         for batch in batches
         for grid in batch.grids
     ]
     workspace_size = -(-max(sizes) // 8) * 8
-    scenes = len(launched.first_rows) - 1
-    groups = device.groups_for(scenes, workspace_bytes=8 * workspace_size)
+    scenes = len(launched.first_row_indices) - 1
+    groups = device.work_group_count(scenes, workspace_bytes=8 * workspace_size)
     launched.buffer = device.shared_buffer(launched.results)
     launched.done = run_kernel(
         device,
         periodic_state,
         np.int32(scenes),
         np.int32(most_newton),
-        device.copied_to_buffer(launched.first_rows),
-        device.copied_to_buffer(launched.rows),
+        device.copy_to_buffer(launched.first_row_indices),
+        device.copy_to_buffer(launched.rows),
         device.shared_buffer(launched.values),
         launched.buffer,
-        device.copied_to_buffer(np.zeros(1, dtype=np.int32)),
+        device.copy_to_buffer(np.zeros(1, dtype=np.int32)),
         device.workspace_buffer(workspace_size * groups),
         np.uint64(workspace_size),
-        cl.LocalMemory(8 * device.work_items),
+        cl.LocalMemory(8 * device.work_items_per_group),
         groups=groups,
     )
     device.queue.flush()
@@ -428,22 +435,22 @@ def _packed_launch(batches: Sequence[Batch], device: Device) -> Launch:
                 tuple(name for term in compiled for name in term.OPERATOR_NAMES),
                 np.array(ABSENT_INDEX),
             ),
-            _grid_sizes(batch.grids, batch.terms, batch.guess is not None),
+            _grid_size_columns(batch.grids, batch.terms, batch.guess is not None),
         ]
         for name in ("means", "state"):
             behind = np.multiply.outer(np.arange(len(batch)), of_batch[f"{name}_size"])
             columns.append(((name,), (of_batch[name] + behind)[..., None]))
         for items, which in _arrays_of_batch(batch, numbers):
-            begin = items.starts + size
+            begin = items.start_indices + size
             if which is not None:
                 begin = begin + (which * items.values.shape[1])[:, None, None]
             columns.append((items.names, begin))
             parts.append(items.values.ravel())
             size += items.values.size
         # A mass error w moves the pressure by w/H.
-        tolerance = np.multiply.outer(batch.scenes.narrowest, batch.tolerances)
-        numbers = with_absent_numbers(numbers, compiled)
-        kind, table = rows_of(columns, numbers=numbers, tolerance=tolerance)
+        tolerance = np.multiply.outer(batch.scenes.narrowest_gap_ratio, batch.tolerances)
+        numbers = fill_absent_numbers(numbers, compiled)
+        kind, table = kernel_rows(columns, numbers=numbers, tolerance=tolerance)
         spans.append(of_batch)
         rows.append(table)
     arrays = device.host_array(end + PADDING_DOUBLES), device.host_array(size + PADDING_DOUBLES)
@@ -469,12 +476,12 @@ def _result_spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
         behind = -(-(end + len(batch.scenes) * means) // 4) * 4
         spans.append((end, means, behind if returns else ABSENT_INDEX, state))
         end = behind + len(batch.scenes) * state
-    return np.array(spans, dtype=SPAN_DTYPE), end
+    return np.array(spans, dtype=RESULT_SPAN_DTYPE), end
 
 
 def _arrays_of_batch(
     batch: Batch, numbers: np.ndarray
-) -> Iterator[tuple[Packed, np.ndarray | None]]:
+) -> Iterator[tuple[PackedArrays, np.ndarray | None]]:
     """A batch's arrays on each grid, and which of them each scene has; None where all have one."""
     grids, terms, aspect = batch.grids, batch.terms, batch.aspect
     yield _matrices_of_grids(grids, terms, aspect), None
@@ -484,26 +491,26 @@ def _arrays_of_batch(
         grids, aspect=aspect, numbers=numbers, motion=mean_gap_motion(numbers, means)
     )
     if batch.edge_fields is not None:
-        yield packed([batch.edge_fields]), np.arange(len(batch.scenes))
+        yield pack_arrays([batch.edge_fields]), np.arange(len(batch.scenes))
     for term in terms:
-        operators = [term.operators(numbers, grid, aspect=aspect) for grid in grids]
+        operators = [term.scene_operators(numbers, grid, aspect=aspect) for grid in grids]
         if operators[0]:
-            yield packed(operators), np.arange(len(batch.scenes))
+            yield pack_arrays(operators), np.arange(len(batch.scenes))
 
 
 @lru_cache(maxsize=64)
-def _matrices_of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> Packed:
+def _matrices_of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> PackedArrays:
     """The matrices of some grids, with those that carry a state to the next."""
     stages: list[dict[str, np.ndarray]] = []
     for coarse, grid in zip((None, *grids), grids, strict=False):
-        carrying = carrying_matrices(coarse, grid, terms=terms) if coarse else {}
+        carrying = interpolation_matrices(coarse, grid, terms=terms) if coarse else {}
         matrices = {**carrying, **grid_matrices(grid, aspect=aspect, terms=terms)}
         stages.append({name: matrix[None] for name, matrix in matrices.items()})
     absent = [
         *INTERPOLATION_MATRIX_NAMES,
-        *(name for term in compiled_terms(terms) for name in term.INTERPOLATION_MATRICES),
+        *(name for term in compiled_terms(terms) for name in term.INTERPOLATION_MATRIX_NAMES),
     ]
-    return packed(stages, absent=absent)
+    return pack_arrays(stages, absent=absent)
 
 
 @lru_cache(maxsize=64)
@@ -538,7 +545,7 @@ def grid_on_pad(scene: Scene, points: Grid) -> Grid:
     return replace(points, outline=scene.pad.smooth_outline)
 
 
-def build_kernels_of(device: Device, scene: Scene) -> None:
+def build_kernels_for_scene(device: Device, scene: Scene) -> None:
     """Build and load the kernels that a scene needs, so that the first batch need not wait."""
     grid = grid_on_pad(scene, Grid(4, 4, 8, False, False))
     solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device)

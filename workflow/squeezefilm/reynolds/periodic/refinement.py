@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from squeezefilm.film.scene import Rows
-from squeezefilm.parallel import report_progress
+from squeezefilm.parallel import track_progress
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import estimate_errors, too_large_error_text
 from squeezefilm.reynolds.grid import Grid, krylov_iteration_flops
@@ -19,9 +19,9 @@ from squeezefilm.reynolds.periodic.launch import (
     STATUS_TEXTS,
     Batch,
     Launch,
-    States,
+    PeriodicStates,
     launch,
-    program_terms,
+    program_terms_and_precision,
 )
 from squeezefilm.reynolds.periodic.resolution import (
     MAX_UNKNOWNS,
@@ -30,18 +30,18 @@ from squeezefilm.reynolds.periodic.resolution import (
     min_convergence_ratio,
     profile_error_ratio,
 )
-from squeezefilm.reynolds.plan import Plan
-from squeezefilm.reynolds.terms import Terms, have_velocities
+from squeezefilm.reynolds.plan import SolvePlan
+from squeezefilm.reynolds.terms import Terms, have_velocity_terms
 from squeezefilm.solution import Solutions
 
 # Relative error of the force that the iteration may leave on a grid that only starts the next.
-START_ITERATION_TOLERANCE = 1e-2
+START_GRID_TOLERANCE = 1e-2
 # Share of the allowed error that the iteration may leave where the estimate counts it once; and of
 # that on grids that go on from a known state. And the share of films with inertia or heat, on all
 # grids: their last change is taken twice at least, with what two iterations left in it.
 ITERATION_ERROR_FRACTION = 0.5
-CONTINUED_ITERATION_FACTOR = 0.04
-VELOCITY_ITERATION_FRACTION = 0.2
+CONTINUED_TOLERANCE_FACTOR = 0.04
+VELOCITY_ITERATION_ERROR_FRACTION = 0.2
 # And of that where states are kept, so that a quantity's change from grid to grid shows the grids'
 # error alone.
 KEPT_STATE_ITERATION_ERROR_FRACTION = 0.04
@@ -77,18 +77,18 @@ class Refinement:
 
     Attributes:
         change: how the mean pressure changed last (error_estimate.py), (2, n).
-        failures: times that Newton's method failed on the last grid.
+        newton_failures: times that Newton's method failed on the last grid.
         queued_batches: batches that go on in one of the next launches, those that go together in a
             list.
     """
 
-    plan: Plan
+    plan: SolvePlan
     solutions: Solutions
     tolerance: float
     max_unknowns: float
     keep_states: bool
-    last_change: np.ndarray
-    failures: np.ndarray
+    last_pressure_change: np.ndarray
+    newton_failures: np.ndarray
     queued_batches: dict[object, list[Batch]] = field(default_factory=dict)
 
     def wait(
@@ -99,16 +99,16 @@ class Refinement:
         guess: np.ndarray | None = None,
     ) -> None:
         """Let scenes go through some grids, from rest or from a guess, with one of the launches."""
-        velocities = have_velocities(terms)
+        velocities = have_velocity_terms(terms)
         left = self.tolerance
-        left *= VELOCITY_ITERATION_FRACTION if velocities else ITERATION_ERROR_FRACTION
+        left *= VELOCITY_ITERATION_ERROR_FRACTION if velocities else ITERATION_ERROR_FRACTION
         left *= KEPT_STATE_ITERATION_ERROR_FRACTION if self.keep_states else 1.0
-        tolerances = [max(left, START_ITERATION_TOLERANCE)] * (len(grids) - 2) + [left] * min(
+        tolerances = [max(left, START_GRID_TOLERANCE)] * (len(grids) - 2) + [left] * min(
             len(grids), 2
         )
         if guess is not None and not velocities:
             # So that the finer grid does not take the state over as it is.
-            tolerances = [CONTINUED_ITERATION_FACTOR * left] * len(grids)
+            tolerances = [CONTINUED_TOLERANCE_FACTOR * left] * len(grids)
         batch = Batch(
             self.plan.scenes,
             rows,
@@ -121,7 +121,7 @@ class Refinement:
         key = grids, terms, batch.aspect, guess is None
         self.queued_batches.setdefault(key, []).append(batch)
 
-    def next_launch(self, *, most: int) -> list[Batch]:
+    def next_launch_batches(self, *, most: int) -> list[Batch]:
         """Batches of one program that fill a launch, those of the dearest grids first.
 
         So that no long solve is left over at the end.
@@ -129,12 +129,14 @@ class Refinement:
         chosen: list[Batch] = []
         scenes, size = 0, 0
         for key in sorted(self.queued_batches, key=lambda key: -krylov_iteration_flops(key[0][-1])):  # type: ignore[index]
-            batch = Batch.joined(self.queued_batches[key])
+            batch = Batch.join_batches(self.queued_batches[key])
             scene_bytes = 8 * sum([grid.count for grid in batch.grids])
             room = max((MAX_LAUNCH_STATE_BYTES - size) // scene_bytes, 0 if chosen else 1)
             count = min(most - scenes, room, len(batch))
             if count <= 0 or (
-                chosen and program_terms(batch.terms) != program_terms(chosen[0].terms)
+                chosen
+                and program_terms_and_precision(batch.terms)
+                != program_terms_and_precision(chosen[0].terms)
             ):
                 continue
             if count < len(batch):
@@ -147,7 +149,7 @@ class Refinement:
             size += scene_bytes * count
         return chosen
 
-    def accept_or_refine(self, batch: Batch, stages: Sequence[States]) -> int:
+    def accept_or_refine(self, batch: Batch, stages: Sequence[PeriodicStates]) -> int:
         """Write the solutions of scenes whose error is small enough, or that have no better one.
 
         The others wait for finer grids. Returns how many are finished.
@@ -158,7 +160,7 @@ class Refinement:
         nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate_errors(
             last.results,
-            self.last_change[:, at],
+            self.last_pressure_change[:, at],
             scenes=batch.scenes,
             terms=terms,
             of_profile=profile_error_ratio(self.plan, *nodes, tolerance=self.tolerance, rows=at),
@@ -171,13 +173,15 @@ class Refinement:
             newton, krylov = states.results["newton_steps"], states.results["krylov_iterations"]
             solutions.newton_steps[at] += newton
             solutions.krylov_iterations[at] += krylov
-            solutions.work[at] += krylov_iteration_flops(states.grid, terms) * (newton + krylov)
+            solutions.operation_count[at] += krylov_iteration_flops(states.grid, terms) * (
+                newton + krylov
+            )
         solutions.residual[at] = last.results["residual"]
-        self.write_grid(at, grid)
+        self.write_grid_sizes(at, grid)
 
         # A finer grid takes about as many iterations as the last one did.
         next_work = krylov_iteration_flops(finer, terms) * (newton + krylov) if finer else 0.0
-        too_dear = solutions.work[at] + next_work > MAX_OPERATIONS
+        too_dear = solutions.operation_count[at] + next_work > MAX_OPERATIONS
         no_state = last.status != 0
         unknown = np.logical_or.reduce([states.status != 0 for states in stages[-2:]])
         negative = ~(last.results["lowest"] > 0)
@@ -189,13 +193,11 @@ class Refinement:
             if finer is None:
                 outcome[negative] = OUTCOME_NEGATIVE_PRESSURE
             outcome[no_state if finer else unknown] = OUTCOME_NO_STATE
-            outcome[no_state & ~too_dear & self._can_restart_on_finer_grid(batch)] = (
-                OUTCOME_RESTARTED
-            )
+            outcome[no_state & ~too_dear & self._restartable_mask(batch)] = OUTCOME_RESTARTED
         outcome[(outcome == OUTCOME_REFINED) & (True if finer is None else too_dear)] = (
             OUTCOME_GRIDS_EXHAUSTED
         )
-        self.last_change[:, at] = change
+        self.last_pressure_change[:, at] = change
 
         accepted = np.flatnonzero(outcome == OUTCOME_ACCEPTED)
         scale_n = batch.scenes.force_scale_n
@@ -209,26 +211,26 @@ class Refinement:
 
         begun_again = rows[outcome == OUTCOME_RESTARTED]
         if finer and (finest := finer_grid(finer, capacity=self.max_unknowns)) and len(begun_again):
-            self.failures[begun_again] += 1
+            self.newton_failures[begun_again] += 1
             self.wait(begun_again, terms, (finer, finest))
         refined = outcome == OUTCOME_REFINED
         if finer and refined.any():
             self.wait(rows[refined], terms, (grid, finer), last.unknowns[refined])
-        self._write_reasons(batch, stages, outcome, error=error, allowed=allowed)
+        self._write_failure_reasons(batch, stages, outcome, error=error, allowed=allowed)
         return len(rows) - len(begun_again) - int(np.count_nonzero(refined))
 
-    def _can_restart_on_finer_grid(self, batch: Batch) -> np.ndarray | bool:
+    def _restartable_mask(self, batch: Batch) -> np.ndarray | bool:
         """Return which scenes without a state may be tried on finer grids, from rest."""
         finer = finer_grid(batch.grids[-1], capacity=self.max_unknowns)
         finest = finer_grid(finer, capacity=self.max_unknowns) if finer else None
-        if finest is None or have_velocities(batch.terms):
+        if finest is None or have_velocity_terms(batch.terms):
             return False
-        return self.failures[batch.rows] < MAX_NEWTON_FAILURES
+        return self.newton_failures[batch.rows] < MAX_NEWTON_FAILURES
 
-    def _write_reasons(
+    def _write_failure_reasons(
         self,
         batch: Batch,
-        stages: Sequence[States],
+        stages: Sequence[PeriodicStates],
         outcome: np.ndarray,
         *,
         error: np.ndarray,
@@ -243,7 +245,9 @@ class Refinement:
                 advice = fewer_operations_hint(batch.terms) if ending == WORK_LIMIT_STATUS else ""
                 status[rows[k]] = f"{ending} ({_grid_text(states.grid)}){advice}"
         before = stages[-2:][0]
-        self.write_grid(rows[(outcome == OUTCOME_NO_STATE) & (before.status != 0)], before.grid)
+        self.write_grid_sizes(
+            rows[(outcome == OUTCOME_NO_STATE) & (before.status != 0)], before.grid
+        )
         for row in rows[outcome == OUTCOME_NEGATIVE_PRESSURE]:
             status[row] = (
                 f"not converged: the pressure is not positive everywhere ({_grid_text(grid)})"
@@ -259,7 +263,7 @@ class Refinement:
             text = too_large_error_text(error[k], allowed=allowed[k], force=stages[-1].mean[k])
             status[rows[k]] = f"{reason}: {text}{advice}"
 
-    def write_grid(self, rows: Rows, grid: Grid) -> None:
+    def write_grid_sizes(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
         self.solutions.domain[rows] = self.plan.domain[rows]
         self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
@@ -267,7 +271,7 @@ class Refinement:
 
 
 def solve_periodic(
-    plan: Plan,
+    plan: SolvePlan,
     solutions: Solutions,
     *,
     tolerance: float,
@@ -288,8 +292,8 @@ def solve_periodic(
             device.memory_bytes // (8 * MIN_FIELDS_PER_WORK_GROUP * DEVICE_MEMORY_DIVISOR),
         ),
         keep_states=keep_states,
-        last_change=np.full((2, len(plan.scenes)), np.nan),
-        failures=np.zeros(len(plan.scenes), dtype=np.int64),
+        last_pressure_change=np.full((2, len(plan.scenes)), np.nan),
+        newton_failures=np.zeros(len(plan.scenes), dtype=np.int64),
     )
     room, count = refinement.max_unknowns, int(np.count_nonzero(waiting))
     for alike, terms, grids in first_grids(
@@ -298,18 +302,18 @@ def solve_periodic(
         if MIN_FIRST_GRID_ITERATIONS * krylov_iteration_flops(grids[-1], terms) <= MAX_OPERATIONS:
             refinement.wait(alike, terms, grids)
             continue
-        refinement.write_grid(alike, grids[-1])
+        refinement.write_grid_sizes(alike, grids[-1])
         reason = f"{WORK_LIMIT_STATUS} ({_grid_text(grids[-1])}){fewer_operations_hint(terms)}"
         solutions.status[alike] = reason
         report(len(alike))
     size = min(max(-(-count // LAUNCHES_IN_FLIGHT), MIN_SCENES_PER_LAUNCH), MAX_SCENES_PER_LAUNCH)
     flying: deque[Launch] = deque()
-    with report_progress(count, unit="scene", name="periodic states") as progress:
+    with track_progress(count, unit="scene", name="periodic states") as progress:
         while refinement.queued_batches or flying:
             while refinement.queued_batches and len(flying) < LAUNCHES_IN_FLIGHT:
-                flying.append(launch(refinement.next_launch(most=size), device=device))
+                flying.append(launch(refinement.next_launch_batches(most=size), device=device))
             landing = flying.popleft()
-            progress.doing = _grid_text(landing.batches[0].grids[-1])
+            progress.current_step = _grid_text(landing.batches[0].grids[-1])
             landed = zip(landing.batches, landing.states(device), strict=True)
             finished = sum(
                 refinement.accept_or_refine(*finished_launch) for finished_launch in landed
@@ -317,12 +321,12 @@ def solve_periodic(
             progress.update(finished)
             report(finished)
             # Other launches may have the arrays, as no one looks at the states any more.
-            device.release(*landing.arrays)
+            device.release(*landing.pooled_arrays)
 
 
 def fewer_operations_hint(terms: Terms) -> str:
     """Return what lets a scene be solved with fewer operations, for the end of its status."""
-    dear = [term.label for term in terms if term.SPACE_MATRIX_PRODUCTS]
+    dear = [term.label for term in terms if term.SPACE_MATRIX_PRODUCT_COUNT]
     return f"; take a larger tolerance{' or no ' if dear else ''}{' and '.join(dear)}"
 
 

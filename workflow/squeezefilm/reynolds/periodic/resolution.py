@@ -15,24 +15,24 @@ import numpy as np
 
 from squeezefilm.film.outline import Outline
 from squeezefilm.film.pad import Pad
-from squeezefilm.film.scene import MAX_CACHED_POSITIONS, Film, Rows, Scenes, rows_by_value
-from squeezefilm.reynolds.error_estimate import THIN_LAYER_RATIO
+from squeezefilm.film.scene import MAX_CACHED_POSITIONS, Film, Rows, Scenes, equal_row_groups
+from squeezefilm.reynolds.error_estimate import THIN_LAYER_CONVERGENCE_RATIO
 from squeezefilm.reynolds.grid import MAX_NODES_ACROSS, Grid
-from squeezefilm.reynolds.plan import Plan, plan_of
+from squeezefilm.reynolds.plan import SolvePlan, solve_plan_of
 from squeezefilm.reynolds.terms import (
     Terms,
     equation_numbers,
-    have_velocities,
+    have_velocity_terms,
     is_radial,
-    layer_stiffness_of,
+    max_layer_sigma_factor,
     unknown_field_count,
 )
 
 # Instants beyond this are refused: at ε = 0.98 and σ = 1e6 a force good to 1e-6 needs 112.
-MAX_INSTANTS = 192
+MAX_TIME_POINTS = 192
 # Unknowns beyond which a scene takes minutes.
 MAX_UNKNOWNS = 5_000_000
-MIN_INSTANTS = 8
+MIN_TIME_POINTS = 8
 # Share of the tolerance that the first of two grids is to leave: with all of it, twice the change
 # to the second would be above the tolerance, and a third grid be needed.
 FIRST_GRID_TOLERANCE_FRACTION = 1 / 3
@@ -41,14 +41,14 @@ START_GRID_POINTS_FRACTION = 0.6
 TIME_ERROR_FRACTION = 0.15
 # What the instants may leave of a force that is of second order in the amplitude, over its square:
 # a change of 1.3 ρ^nt/ε² was seen from 8 instants to 12 (ε 0.2–0.25, σ 700–2300).
-TIME_ERROR_PER_FORCE = 0.3
+TIME_ERROR_PER_EPSILON_SQUARED = 0.3
 # Of which unknowns along an axis are multiples: kernels are fastest at four, two are the least.
 FAST_NODE_MULTIPLE, MIN_NODE_MULTIPLE = 4, 2
 # Share of the tolerance that a grid may miss of the profile without a look at how fast that falls.
-NEGLIGIBLE_PROFILE_ERROR = 0.1
+NEGLIGIBLE_ERROR_PER_TOLERANCE = 0.1
 # A sliding surface makes a layer at the trailing edge, as thin as that of a squeeze number of so
 # many times (Λ/(1 − ε))² (fitted to pistons, Λ 46–250).
-SLIDING_LAYER_FACTOR = 24.0
+SLIDING_LAYER_SIGMA_FACTOR = 24.0
 # Below this squeeze number the film is nearly incompressible and its pressure goes like 1/H³,
 # with stronger harmonics than the gas spring's 1/H.
 INCOMPRESSIBLE_SIGMA = 10.0
@@ -60,19 +60,19 @@ MAX_PROFILE_ERROR = 1e-2
 TIGHT_TOLERANCE, TIGHT_GRID_TOLERANCE_FRACTION = 4e-7, 0.2
 # Above this errors may go up and down from grid to grid; below 1e4 none of 996 films was beyond its
 # estimate, but one at 9963 came to 0.9 of it.
-UNEVEN_SIGMA = 5e3
+ERRATIC_CONVERGENCE_SIGMA = 5e3
 # Above this at the narrowest place of a gap that is shaped at rest the first grid is for a layer as
 # thin again: 60 such films of a draw (1e-4) took half of the time, for fewer went on to more grids.
 NONUNIFORM_THIN_LAYER_SIGMA = 1e4
 # The most points along an axis, whole or folded, and instants, from which the next finer grid,
-# which tells the error, has room within MAX_NODES_ACROSS and MAX_INSTANTS.
-MAX_FIRST_GRID_NODES, MAX_FIRST_GRID_FOLDED_NODES, MAX_FIRST_GRID_INSTANTS = 268, 132, 160
+# which tells the error, has room within MAX_NODES_ACROSS and MAX_TIME_POINTS.
+MAX_FIRST_GRID_NODES, MAX_FIRST_GRID_FOLDED_NODES, MAX_FIRST_GRID_TIME_POINTS = 268, 132, 160
 # Stands for zero in a denominator.
 TINY_DENOMINATOR = 1e-300
 
 
 def first_grids(
-    plan: Plan,
+    plan: SolvePlan,
     rows: Rows = slice(None),
     *,
     tolerance: float,
@@ -91,9 +91,9 @@ def first_grids(
     """
     for kind, film, rows_of_group in _groups_of_equal_terms(plan, rows):
         terms, pad = plan.term_sets[kind], film.pad
-        outline = _outline_of_coordinates(pad, terms)
+        outline = _coordinate_outline(pad, terms)
         part, step = FIRST_GRID_TOLERANCE_FRACTION, FAST_NODE_MULTIPLE
-        if pad.smooth_outline is None and not have_velocities(terms) and not kept:
+        if pad.smooth_outline is None and not have_velocity_terms(terms) and not kept:
             # Twice the change to the second grid must be below the tolerance, or a third is
             # needed; but plain films want fewer nodes than the guess.
             part = 1.0 if tolerance > TIGHT_TOLERANCE else TIGHT_GRID_TOLERANCE_FRACTION
@@ -101,13 +101,13 @@ def first_grids(
         how: dict[str, Any] = {"tolerance": tolerance, "part_of_tolerance": part, "step": step}
         columns = _needed_points(plan, rows_of_group, film, **how)
         numbers = np.arange(len(plan.scenes))[rows_of_group]
-        for rows_on_grids in rows_by_value(*columns):
+        for rows_on_grids in equal_row_groups(*columns):
             points = tuple(columns[:, rows_on_grids[0]].tolist())
             grids = _grid_sequence(points, outline, capacity, step)
             yield numbers[rows_on_grids], terms, grids
 
 
-def _outline_of_coordinates(pad: Pad, terms: Terms) -> Outline | None:
+def _coordinate_outline(pad: Pad, terms: Terms) -> Outline | None:
     """The outline in whose coordinates a film is solved; None in a rectangle's or on a radius."""
     return None if is_radial(terms) else pad.smooth_outline
 
@@ -117,16 +117,18 @@ def allowed_profile_error(tolerance: float) -> float:
     return min(MAX_PROFILE_ERROR, sqrt(tolerance))
 
 
-def nodes_for_profile(plan: Plan, *, tolerance: float) -> np.ndarray:
+def nodes_for_profile(plan: SolvePlan, *, tolerance: float) -> np.ndarray:
     """Least nodes along x and y that resolve the profile, (n, 2)."""
     missed = allowed_profile_error(tolerance)
-    return plan.cached("nodes", lambda missed: plan.profile_samples(missed).nodes(missed), missed)
+    return plan.compute_cached(
+        "nodes", lambda missed: plan.profile_resolution(missed).nodes(missed), missed
+    )
 
 
-def unresolved_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
+def unresolved_profile_reasons(plan: SolvePlan, *, tolerance: float) -> dict[int, str]:
     """Return the reasons for scenes whose profile no grid resolves, by row."""
     share = allowed_profile_error(tolerance)
-    missed = plan.profile_samples(share).interpolation_error
+    missed = plan.profile_resolution(share).interpolation_error
     most = np.where(
         plan.fold_x & plan.fold_y, 2 * MAX_FIRST_GRID_FOLDED_NODES, MAX_FIRST_GRID_NODES
     )
@@ -135,10 +137,10 @@ def unresolved_profiles(plan: Plan, *, tolerance: float) -> dict[int, str]:
     return {row: _unresolved_reason(plan, row, float(missed[row]), share) for row in rows}
 
 
-def _unresolved_reason(plan: Plan, row: int, missed: float, missed_fraction: float) -> str:
+def _unresolved_reason(plan: SolvePlan, row: int, missed: float, missed_fraction: float) -> str:
     if not missed < inf:
         return "the profile has no finite value at some place under the pad"
-    ((_, sampled, _),) = plan_of(plan.scenes[row]).profiles
+    ((_, sampled, _),) = solve_plan_of(plan.scenes[row]).profiles
     pad = sampled.places.pad_profile.pad
     side_m = max(pad.length_x_m, pad.length_y_m)
     apart_m = pi / 2 * side_m / (MAX_NODES_ACROSS + 1)
@@ -151,7 +153,7 @@ def _unresolved_reason(plan: Plan, row: int, missed: float, missed_fraction: flo
     )
 
 
-def _groups_of_equal_terms(plan: Plan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
+def _groups_of_equal_terms(plan: SolvePlan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
     """Group the scenes by terms, outline and aspect ratio; yield kind, a film and rows."""
     films = plan.scenes.films
     if len(plan.term_sets) == len(films) == 1:
@@ -160,14 +162,20 @@ def _groups_of_equal_terms(plan: Plan, rows: Rows) -> Iterator[tuple[int, Film, 
     pads = [(film.pad.smooth_outline, film.pad.length_y_m / film.pad.length_x_m) for film in films]
     first_alike = np.array([pads.index(pad) for pad in pads])[plan.scenes.film_index]
     numbers = np.arange(len(plan.scenes))[rows]
-    for rows_of_group in rows_by_value(plan.term_set[rows], first_alike[rows]):
+    for rows_of_group in equal_row_groups(plan.term_set_index[rows], first_alike[rows]):
         first = numbers[rows_of_group[0]]
         film = films[plan.scenes.film_index[first]]
-        yield int(plan.term_set[first]), film, numbers[rows_of_group]
+        yield int(plan.term_set_index[first]), film, numbers[rows_of_group]
 
 
 def _needed_points(
-    plan: Plan, rows: Rows, film: Film, *, tolerance: float, part_of_tolerance: float, step: int
+    plan: SolvePlan,
+    rows: Rows,
+    film: Film,
+    *,
+    tolerance: float,
+    part_of_tolerance: float,
+    step: int,
 ) -> np.ndarray:
     """Unknowns nx, ny and instants nt of scenes like a film's that leave a share of the tolerance.
 
@@ -181,20 +189,22 @@ def _needed_points(
             MIN_NODE_MULTIPLE.
     """
     scenes = plan.scenes if isinstance(rows, slice) else plan.scenes[rows]
-    terms = plan.term_sets[plan.term_set[rows][0]]
+    terms = plan.term_sets[plan.term_set_index[rows][0]]
     digits = log10(1 / (part_of_tolerance * tolerance))
     outline, aspect = (
-        _outline_of_coordinates(film.pad, terms),
+        _coordinate_outline(film.pad, terms),
         film.pad.length_y_m / film.pad.length_x_m,
     )
     nodes = nodes_for_profile(plan, tolerance=tolerance)[rows].T
-    curvature = plan.profile_samples(allowed_profile_error(tolerance)).curvature[rows].T
+    curvature = plan.profile_resolution(allowed_profile_error(tolerance)).curvature[rows].T
     folds = np.array([plan.fold_x[rows], plan.fold_y[rows]])
-    epsilon, sigma, bend = gap_indicators(scenes)
+    epsilon, sigma, bend = effective_gap_parameters(scenes)
     moving = np.maximum(epsilon, TINY_DENOMINATOR)  # of films at rest, too, there are logarithms
     ratio = moving / (1 + np.sqrt(1 - epsilon**2))
-    left = np.minimum(log(TIME_ERROR_FRACTION / 3), log(TIME_ERROR_PER_FORCE) + 2 * np.log(moving))
-    instants = np.where(epsilon > 0, (log(tolerance) + left) / np.log(ratio), MIN_INSTANTS)
+    left = np.minimum(
+        log(TIME_ERROR_FRACTION / 3), log(TIME_ERROR_PER_EPSILON_SQUARED) + 2 * np.log(moving)
+    )
+    instants = np.where(epsilon > 0, (log(tolerance) + left) / np.log(ratio), MIN_TIME_POINTS)
     instants += 4.0 * (sigma * max(1.0, aspect) ** 2 < INCOMPRESSIBLE_SIGMA)
     slow: Any = 1.0
     layers = sigma
@@ -202,22 +212,22 @@ def _needed_points(
     if terms:  # without, no layer but the squeezing's counts, and nothing lags
         if unknown_field_count(terms) > 1:
             slow = np.minimum(equation_numbers(scenes, terms)["slow"], 1.0)
-        layers = layer_stiffness_of(scenes, terms, sigma=sigma) * sigma
+        layers = max_layer_sigma_factor(scenes, terms, sigma=sigma) * sigma
         sliding = (np.abs(scenes.bearing_number) / (1 - epsilon)) ** 2
-        layer_x = np.maximum(layers, SLIDING_LAYER_FACTOR * sliding)
+        layer_x = np.maximum(layers, SLIDING_LAYER_SIGMA_FACTOR * sliding)
     nt = np.minimum(
-        4 * np.ceil(np.maximum(MIN_INSTANTS / slow, instants) / 4), MAX_FIRST_GRID_INSTANTS
+        4 * np.ceil(np.maximum(MIN_TIME_POINTS / slow, instants) / 4), MAX_FIRST_GRID_TIME_POINTS
     )
     layer_y, fold_factors = layers * aspect**2, 1.0 + folds
     # Zeros of the gap at its narrowest, 1 − ε + ε c X²/2, off the middle.
     width = np.sqrt(2 * (1 - epsilon) / np.maximum(epsilon * (curvature + bend), TINY_DENOMINATOR))
     if outline:
-        layer_x = layer_x * outline.edge_area_ratio_range[1] * (2 * outline.edge_mu) ** 2
+        layer_x = layer_x * outline.edge_jacobian_range[1] * (2 * outline.edge_mu) ** 2
         along, across = folds if outline.turned else folds[::-1]
         fold_factors = np.array([1.0 + along, (1 + along) * (1 + across)])
     wanted = _nodes_for_layers(digits, sigma=np.array([layer_x, layer_y]), width=width)
     if outline:
-        wanted[1] = _nodes_around(digits, width[1], outline)
+        wanted[1] = _nodes_around_outline(digits, width[1], outline)
     most = np.where(fold_factors > 1, MAX_FIRST_GRID_FOLDED_NODES, MAX_FIRST_GRID_NODES)
     unknowns = np.minimum(step * np.ceil(np.maximum(nodes, wanted) / fold_factors / step), most)
     if is_radial(terms):
@@ -238,7 +248,7 @@ def _nodes_for_layers(digits: float, *, sigma: np.ndarray, width: np.ndarray) ->
     return np.maximum(layer, 4 + digits * log(10) / (1.6 * np.arcsinh(2 * width)))
 
 
-def _nodes_around(digits: float, width: np.ndarray, outline: Outline) -> np.ndarray:
+def _nodes_around_outline(digits: float, width: np.ndarray, outline: Outline) -> np.ndarray:
     """Nodes around an outline.
 
     The layer's width along the edge goes with the area behind a point, which has no zero nearer to
@@ -260,13 +270,15 @@ def _grid_sequence(
     nx, ny, nt, fold_x, fold_y, *nodes = points
     first = Grid(int(nx), int(ny), int(nt), bool(fold_x), bool(fold_y), outline)
     while (finer := finer_grid(first, capacity=capacity, step=step)) is None:
-        if not first.has_nodes(*nodes):
+        if not first.has_min_nodes(*nodes):
             break
         nx, ny = (step * (5 * points // (6 * step)) for points in (first.nx, first.ny))
-        first = _resized_grid(first, nx=nx, ny=ny, nt=max(MIN_INSTANTS, 4 * (5 * first.nt // 24)))
+        first = _resized_grid(
+            first, nx=nx, ny=ny, nt=max(MIN_TIME_POINTS, 4 * (5 * first.nt // 24))
+        )
     start = start_grid(first, step)
     # What does not see the profile is no guess.
-    starts = [start] if start and start.has_nodes(*nodes) else []
+    starts = [start] if start and start.has_min_nodes(*nodes) else []
     return *starts, first, *([finer] if finer else [])
 
 
@@ -277,24 +289,24 @@ def start_grid(grid: Grid, step: int) -> Grid | None:
     """
     start = _resized_grid(
         grid,
-        nx=_points_to_start(grid.nx, step, fold=grid.fold_x),
-        ny=_points_to_start(grid.ny, step, fold=grid.fold_y),
-        nt=max(MIN_INSTANTS, 4 * ceil(START_GRID_POINTS_FRACTION * grid.nt / 4)),
+        nx=_start_grid_points(grid.nx, step, fold=grid.fold_x),
+        ny=_start_grid_points(grid.ny, step, fold=grid.fold_y),
+        nt=max(MIN_TIME_POINTS, 4 * ceil(START_GRID_POINTS_FRACTION * grid.nt / 4)),
     )
     return start if start.count < 0.5 * grid.count else None
 
 
 def _resized_grid(grid: Grid, *, nx: int, ny: int, nt: int) -> Grid:
     """A grid with other numbers of points; that along a radius keeps its one unknown around."""
-    return replace(grid, nx=nx, ny=1 if grid.radial else ny, nt=nt)
+    return replace(grid, nx=nx, ny=1 if grid.is_radial else ny, nt=nt)
 
 
-def _points_to_start(points: int, step: int, *, fold: bool) -> int:
+def _start_grid_points(points: int, step: int, *, fold: bool) -> int:
     return max(4 if fold else 8, step * round(START_GRID_POINTS_FRACTION * points / step))
 
 
 def profile_error_ratio(
-    plan: Plan,
+    plan: SolvePlan,
     coarse: tuple[int, int],
     fine: tuple[int, int],
     *,
@@ -311,18 +323,18 @@ def profile_error_ratio(
     """
 
     def error_ratio_of_rows(rows: Rows) -> np.ndarray:
-        least = NEGLIGIBLE_PROFILE_ERROR * tolerance
-        samples = plan.profile_samples(least)
+        least = NEGLIGIBLE_ERROR_PER_TOLERANCE * tolerance
+        samples = plan.profile_resolution(least)
         missed, before = (
-            samples.interpolation_error_with(fine, rows),
-            samples.interpolation_error_with(coarse, rows),
+            samples.error_with_node_counts(fine, rows),
+            samples.error_with_node_counts(coarse, rows),
         )
         falls = np.divide(missed, before, out=np.zeros_like(missed), where=missed > least)
         return np.asarray(falls.max(axis=1))
 
     if len(plan.scenes) > MAX_CACHED_POSITIONS:
         return error_ratio_of_rows(rows)
-    return plan.cached(
+    return plan.compute_cached(
         "fall", lambda *_: error_ratio_of_rows(slice(None)), coarse, fine, tolerance
     )[rows]
 
@@ -341,7 +353,10 @@ def finer_grid(
         ny=grid.ny + _nodes_to_add(grid.ny, step, fold=grid.fold_y),
         nt=grid.nt + _nodes_to_add(grid.nt, FAST_NODE_MULTIPLE, fold=False),
     )
-    if max(finer.x.full_points, finer.y.full_points) > MAX_NODES_ACROSS or finer.nt > MAX_INSTANTS:
+    if (
+        max(finer.x.full_point_count, finer.y.full_point_count) > MAX_NODES_ACROSS
+        or finer.nt > MAX_TIME_POINTS
+    ):
         return None
     return finer if finer.count <= capacity else None
 
@@ -352,7 +367,7 @@ def _nodes_to_add(points: int, step: int, *, fold: bool) -> int:
     return step * max(least, round(points / 5 / step))
 
 
-def gap_indicators(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | float]:
+def effective_gap_parameters(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray | float]:
     """Scenes' gaps as first grids go by them: ε, σ, and what the gap adds to a profile's curvature.
 
     A gap that is shaped at rest is as hard as its narrowest place, and as closed, everywhere.
@@ -368,7 +383,7 @@ def gap_indicators(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray |
         / np.maximum(scenes.epsilon, TINY_DENOMINATOR)
         * (scenes.epsilon > 0)
     )
-    least = np.minimum(1.0, scenes.static_gap_range[0])
+    least = np.minimum(1.0, scenes.static_gap_ratio_range[0])
     sigma = scenes.sigma / least**2
     sigma = np.where(sigma < NONUNIFORM_THIN_LAYER_SIGMA, sigma, sigma / least**2)
     return np.where(flat, scenes.epsilon, scenes.closure), sigma, bend
@@ -376,5 +391,7 @@ def gap_indicators(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np.ndarray |
 
 def min_convergence_ratio(scenes: Scenes) -> np.ndarray:
     """Lower bounds on the convergence ratios from grid to grid, (n,)."""
-    _, sigma, _ = gap_indicators(scenes)
-    return THIN_LAYER_RATIO * (sigma * np.maximum(1.0, scenes.aspect) ** 2 > UNEVEN_SIGMA)
+    _, sigma, _ = effective_gap_parameters(scenes)
+    return THIN_LAYER_CONVERGENCE_RATIO * (
+        sigma * np.maximum(1.0, scenes.aspect) ** 2 > ERRATIC_CONVERGENCE_SIGMA
+    )

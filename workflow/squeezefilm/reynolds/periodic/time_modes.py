@@ -21,10 +21,10 @@ from math import hypot, inf
 
 import numpy as np
 
-from squeezefilm.film.scene import distinct_rows
+from squeezefilm.film.scene import distinct_row_indices
 from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.layout import Packed, packed
-from squeezefilm.reynolds.spectral import period
+from squeezefilm.reynolds.layout import PackedArrays, pack_arrays
+from squeezefilm.reynolds.spectral import cached_time_axis
 
 # Steps in which variation and lag are told apart, which only decide the iterations' number, and the
 # share of slow harmonics.
@@ -36,12 +36,12 @@ WARMING_STEP = 1 / 64
 # What a film without inertia, or that stays at ambient temperature, has for a lag.
 MIN_PHASE_LAG = 1e-12
 # Least speed of a pair: the first harmonic has 1, the null space rounding errors.
-MIN_PAIR_SPEED = 1e-3
+MIN_PAIR_ANGULAR_FREQUENCY = 1e-3
 
 
 def time_modes_of_films(
     grids: Sequence[Grid], *, aspect: float, numbers: np.ndarray, motion: np.ndarray
-) -> tuple[Packed, np.ndarray]:
+) -> tuple[PackedArrays, np.ndarray]:
     """The modes of films on each of some grids, each kind's once, and which kind each film has.
 
     Args:
@@ -61,10 +61,10 @@ def time_modes_of_films(
         slows = np.rint(np.minimum(numbers["slow"], waves / half) / SLOW_HARMONICS_FRACTION_STEP)
         slows = np.maximum(slows, 1.0)
         steps += [lags, warming, warming_lags, *slows]
-    first, which = distinct_rows(*steps)
+    first, which = distinct_row_indices(*steps)
     instants = tuple([grid.nt for grid in grids])
     kinds = np.array(steps)[:, first].T.tolist()
-    return Packed.of_rows([_packed_modes(instants, *kind) for kind in kinds]), which
+    return PackedArrays.join_rows([_packed_modes(instants, *kind) for kind in kinds]), which
 
 
 @lru_cache(maxsize=4096)
@@ -76,7 +76,7 @@ def _packed_modes(
     warming: float = 0.0,
     warming_lag: float = -inf,
     *slows: float,
-) -> Packed:
+) -> PackedArrays:
     """The arrays of one kind of films, on each of some grids."""
     stages = []
     shrunk = MAX_GAP_VARIATION_INDEX / max(hypot(variation, lagging), MAX_GAP_VARIATION_INDEX)
@@ -86,7 +86,7 @@ def _packed_modes(
         numbers = lag, warming, warming_lag, slow
         arrays = _time_modes(nt, shrunk * variation, shrunk * lagging, *numbers)
         stages.append({name: array[None] for name, array in arrays.items()})
-    return packed(stages)
+    return pack_arrays(stages)
 
 
 @lru_cache(maxsize=4096)
@@ -114,13 +114,15 @@ def _time_modes(
     which the gas has inertia; in the others it follows the pressure at once. Which they are, the
     next grid tells, where there are more.
     """
-    rate, nodes = period(instants).derivative, period(instants).nodes
+    rate, nodes = cached_time_axis(instants).derivative, cached_time_axis(instants).nodes
     mean_gap = (
         1
         + GAP_VARIATION_STEP * variation * np.sin(nodes)
         + GAP_VARIATION_STEP * lagging * np.cos(nodes)
     )
-    inert = period(instants).harmonics_up_to(SLOW_HARMONICS_FRACTION_STEP * slow * instants / 2)
+    inert = cached_time_axis(instants).low_pass_matrix(
+        SLOW_HARMONICS_FRACTION_STEP * slow * instants / 2
+    )
     lag_of_rate = 10 ** (lag / LAG_STEPS_PER_DECADE) * inert
     resistance = np.diag(1 / mean_gap) + lag_of_rate @ rate
     warm_rate = 10 ** (warming_lag / LAG_STEPS_PER_DECADE) * rate
@@ -153,11 +155,11 @@ def _real_mode_pairs(operator: np.ndarray, mean_gap: np.ndarray) -> tuple[np.nda
     half = instants // 2
     values, complex_vectors = np.linalg.eig(operator)
     turning = np.argsort(values.imag)[half + 1 :]
-    if not (values[turning].imag > MIN_PAIR_SPEED).all():
+    if not (values[turning].imag > MIN_PAIR_ANGULAR_FREQUENCY).all():
         return None
     vectors = np.empty((instants, instants))
     vectors[:, 0] = 1.0
-    vectors[:, half] = np.cos(half * period(instants).nodes)
+    vectors[:, half] = np.cos(half * cached_time_axis(instants).nodes)
     vectors[:, 1:half] = complex_vectors[:, turning].real
     vectors[:, half + 1 :] = complex_vectors[:, turning].imag
     # Both of a pair alike; undamped modes are orthogonal under the weight 1/h.

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene, Scenes
-from squeezefilm.film.symmetry import axisymmetric
+from squeezefilm.film.symmetry import axisymmetric_mask
 from squeezefilm.reynolds.terms.bearing import Bearing
 from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 from squeezefilm.reynolds.terms.gap import NonuniformGap
@@ -20,10 +20,16 @@ from squeezefilm.reynolds.terms.inertia import Inertia, VelocityTerm
 from squeezefilm.reynolds.terms.outline import RadialFilm, SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.rarefaction import FlowFactor, Rarefaction
-from squeezefilm.reynolds.terms.term import KERNEL_HOOKS, AbsentTerm, Arrays, Numbers, Term
+from squeezefilm.reynolds.terms.term import (
+    KERNEL_HOOK_PARAMETERS,
+    AbsentTerm,
+    NamedArrays,
+    NamedNumbers,
+    Term,
+)
 from squeezefilm.reynolds.terms.thermal import Thermal
 
-__all__ = ["KERNEL_HOOKS", "TERM_CLASSES", "AbsentTerm", "Arrays", "Term", "Terms"]
+__all__ = ["KERNEL_HOOK_PARAMETERS", "TERM_CLASSES", "AbsentTerm", "NamedArrays", "Term", "Terms"]
 
 TERM_CLASSES: tuple[type[Term], ...] = (
     NonuniformGap,
@@ -83,14 +89,14 @@ def absent_terms(terms: Terms) -> tuple[AbsentTerm, ...]:
     return tuple(kind.ABSENT_TERM for kind in absent if kind.ABSENT_TERM)
 
 
-def distinct_terms(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
+def distinct_term_sets(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
     """Return the distinct combinations of terms, and each scene's index into them, (n,)."""
     known: dict[Terms, int] = {}
     which = np.empty(len(scenes), dtype=np.int64)
     for film, rows, scenes_of_film in scenes.split_by_film():
         pad_positions, at = scenes_of_film.pad_positions
-        kind = axisymmetric(pad_positions)[at] + 2 * (
-            not film.pad.gap.flat and NonuniformGap.needs_two_preconditioners(scenes_of_film)
+        kind = axisymmetric_mask(pad_positions)[at] + 2 * (
+            not film.pad.gap.flat and NonuniformGap.two_preconditioners_mask(scenes_of_film)
         )
         of_film = np.empty(len(scenes_of_film), dtype=np.int64)
         for kind_of_row in {*kind.tolist()}:
@@ -100,7 +106,7 @@ def distinct_terms(scenes: Scenes) -> tuple[list[Terms], np.ndarray]:
     return list(known), which
 
 
-def equation_numbers(scene: Scenes, terms: Terms) -> Numbers:
+def equation_numbers(scene: Scenes, terms: Terms) -> NamedNumbers:
     """The dimensionless numbers of scenes' equation; ``flow``, unless a term says it: H³ρ ∇P.
 
     ``lag`` is that of the flow behind what drives it, in units of 1/ω, and ``slow`` the share of
@@ -119,13 +125,13 @@ def equation_numbers(scene: Scenes, terms: Terms) -> Numbers:
         "warming_lag": 0.0,
     }
     for term in terms:
-        numbers.update(term.numbers(scene))
+        numbers.update(term.equation_numbers(scene))
     return numbers
 
 
-def layer_stiffness_of(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> Any:
+def max_layer_sigma_factor(scene: OperatingPoints, terms: Terms, *, sigma: Any) -> Any:
     """Factor of σ in the choice of the first grid for the edge's boundary layers."""
-    return reduce(np.maximum, (term.layer_stiffness(scene, sigma=sigma) for term in terms), 1.0)
+    return reduce(np.maximum, (term.layer_sigma_factor(scene, sigma=sigma) for term in terms), 1.0)
 
 
 @lru_cache(maxsize=64)
@@ -140,7 +146,7 @@ def is_radial(terms: Terms) -> bool:
 
 
 @lru_cache(maxsize=64)
-def have_velocities(terms: Terms) -> bool:
+def have_velocity_terms(terms: Terms) -> bool:
     """Return whether some terms are of the gas' velocities."""
     return any(isinstance(term, VelocityTerm) for term in terms)
 
@@ -148,7 +154,7 @@ def have_velocities(terms: Terms) -> bool:
 @lru_cache(maxsize=64)
 def unknown_field_count(terms: Terms) -> int:
     """Return the number of fields that the periodic state solves for."""
-    return 1 + flow_axis_count(terms) * sum(term.VELOCITY_FIELDS for term in terms)
+    return 1 + flow_axis_count(terms) * sum(term.VELOCITY_FIELD_COUNT for term in terms)
 
 
 def flow_term_count(terms: Terms) -> int:
@@ -163,8 +169,8 @@ def preconditioner_count(terms: Terms) -> int:
 
 def work_field_count(terms: Terms, *, single: bool = False) -> int:
     """Return the number of work fields that the terms need beside the unknowns."""
-    linear = sum(term.LINEAR_FIELDS for term in terms)
-    return sum(term.WORK_FIELDS for term in terms) + (linear // 2 if single else linear)
+    linear = sum(term.LINEAR_FIELD_COUNT for term in terms)
+    return sum(term.WORK_FIELD_COUNT for term in terms) + (linear // 2 if single else linear)
 
 
 def validity_notes(scene: Scene) -> list[str]:
@@ -172,6 +178,6 @@ def validity_notes(scene: Scene) -> list[str]:
     return [note for kind in TERM_CLASSES if (note := kind.note(scene))]
 
 
-def unsupported_on_grid(scene: Scene, terms: Terms) -> str:
+def unsupported_on_grid_reason(scene: Scene, terms: Terms) -> str:
     """Return the reason why the periodic state is not supported with some terms, or empty."""
-    return next(filter(None, (term.unsupported_on_grid(scene) for term in terms)), "")
+    return next(filter(None, (term.unsupported_on_grid_reason(scene) for term in terms)), "")

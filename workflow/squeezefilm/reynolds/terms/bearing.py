@@ -9,8 +9,8 @@ import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import flux_matrices
-from squeezefilm.reynolds.terms.rarefaction import flow_over_viscous
-from squeezefilm.reynolds.terms.term import AbsentTerm, Arrays, Numbers, Term
+from squeezefilm.reynolds.terms.rarefaction import flow_to_viscous_ratio
+from squeezefilm.reynolds.terms.term import AbsentTerm, NamedArrays, NamedNumbers, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -22,7 +22,7 @@ class Bearing(Term):
 
     NAME = "bearing"
     ABSENT_TERM = AbsentTerm("Couette term", "the pad is at rest")
-    BREAKS_SYMMETRY_OF = "x"
+    SYMMETRY_BROKEN_AXES = "x"
     KERNEL_FILE = "terms/bearing_over_period.cl"
     KERNEL_HOOKS = ("residual", "response")
 
@@ -30,13 +30,16 @@ class Bearing(Term):
     def of(cls, scene: Scene) -> Bearing | None:
         return cls() if scene.bearing_number != 0 else None
 
-    def numbers(self, scene: OperatingPoints) -> Numbers:
+    def equation_numbers(self, scene: OperatingPoints) -> NamedNumbers:
         return {"bearing": scene.bearing_number}
 
-    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+    def matrices(self, grid: Grid, *, aspect: float) -> NamedArrays:
         if grid.outline is None:
             return {"derivative_x": grid.x.derivative[1:-1, 1:-1]}
-        along, turn = flux_matrices(grid, aspect=aspect), np.asarray(grid.map_slope(grid.x.nodes))
+        along, turn = (
+            flux_matrices(grid, aspect=aspect),
+            np.asarray(grid.conformal_map_slope(grid.x.nodes)),
+        )
         return {
             "derivative_x": along["flux_across_x"],
             "derivative_y": along["flux_across_y"],
@@ -44,7 +47,7 @@ class Bearing(Term):
             "turn_y": -turn.imag,
         }
 
-    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
+    def scene_operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> NamedArrays:
         """Real Schur form of d²/dX² − (Λ/D) d/dX, each (scenes, nx, nx).
 
         An orthogonal basis stays well conditioned where the eigenvectors of a convection-dominated
@@ -57,7 +60,7 @@ class Bearing(Term):
 
         scale, first = np.sqrt(grid.nx), grid.x.derivative[1:-1, 1:-1]
         vectors, inverse, triangle = np.empty((3, len(numbers), grid.nx, grid.nx))
-        ambient = flow_over_viscous(numbers, np.ones(len(numbers)))
+        ambient = flow_to_viscous_ratio(numbers, np.ones(len(numbers)))
         for k, (speed, flow) in enumerate(zip(numbers["bearing"], ambient, strict=True)):
             operator = grid.x.second_derivative - speed / flow * first
             triangle[k], basis = schur(operator, output="real")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, NamedNumbers, Term
 
 NON_UNIFORM_GAP_TEXT, TWO_COMPONENTS_TEXT = "non-uniform gap", "two quadrature components"
 # Two preconditioners pay where the widest gap at rest is so many times the narrowest, and nothing
@@ -20,7 +20,7 @@ NON_UNIFORM_GAP_TEXT, TWO_COMPONENTS_TEXT = "non-uniform gap", "two quadrature c
 # worse with inertia. They are for diffusivities inside of those, by this share of the way from the
 # geometric mean, as Chebyshev's points lie inside an interval.
 TWO_PRECONDITIONERS_GAP_RATIO = 1.75
-PRECONDITIONER_GAP_FRACTION = 0.65
+PRECONDITIONER_SPREAD_EXPONENT = 0.65
 # Least gap at rest over the largest that they know of; kernels are compiled with gaps that are
 # closed somewhere, too.
 MIN_STATIC_GAP_RATIO = 1e-3
@@ -44,8 +44,8 @@ class NonuniformGap(Term):
 
     NAME = "any_gap"
     KERNEL_FILE = "terms/gap_over_period.cl"
-    IN_SINGLE_PRECISION = True
-    IN_EXPANSIONS = True
+    SUPPORTS_SINGLE_PRECISION = True
+    SUPPORTS_EXPANSIONS = True
     ABSENT_TERM = AbsentTerm(NON_UNIFORM_GAP_TEXT, "the gap is uniform at rest and moves in phase")
 
     @classmethod
@@ -59,33 +59,36 @@ class NonuniformGap(Term):
             return cls(both)
         more = scene.bearing_number or scene.gas.inertia == "included"
         alone = not (more or scene.pad.smooth_outline)
-        return cls(both, 2 if alone and cls.needs_two_preconditioners(Scenes.of([scene]))[0] else 1)
+        return cls(both, 2 if alone and cls.two_preconditioners_mask(Scenes.of([scene]))[0] else 1)
 
     @staticmethod
-    def needs_two_preconditioners(scenes: Scenes) -> np.ndarray:
+    def two_preconditioners_mask(scenes: Scenes) -> np.ndarray:
         """Return where the static gap varies enough for two preconditioners to be cheaper, (n,)."""
-        least, most = scenes.static_gap_range
+        least, most = scenes.static_gap_ratio_range
         return np.asarray(most > TWO_PRECONDITIONERS_GAP_RATIO * least)
 
-    def numbers(self, scenes: Scenes) -> Numbers:
-        numbers: Numbers = {"narrowest": scenes.narrowest, "per_rise": 1 / scenes.h0_m}
-        return {**numbers, **_preconditioners(scenes, self.parts)} if self.parts else numbers
+    def equation_numbers(self, scenes: Scenes) -> NamedNumbers:
+        numbers: NamedNumbers = {
+            "narrowest": scenes.narrowest_gap_ratio,
+            "per_rise": 1 / scenes.h0_m,
+        }
+        return {**numbers, **_preconditioner_numbers(scenes, self.parts)} if self.parts else numbers
 
 
-def _preconditioners(scenes: Scenes, count: int) -> Numbers:
+def _preconditioner_numbers(scenes: Scenes, count: int) -> NamedNumbers:
     """Diffusivities, in units of an even film's, and the first's part of rows (gap_over_period.cl).
 
     The part in numbers a and b: a + b/G² where the gap at rest is G. That of a single one is the
     typical G over G where that is least and where it is largest.
     """
-    least, most = scenes.static_gap_range
+    least, most = scenes.static_gap_ratio_range
     least = np.maximum(least, MIN_STATIC_GAP_RATIO * most)
     middle = least * most
     if count == 1:
-        typical = scenes.static_gap_mean
+        typical = scenes.static_gap_ratio_mean
         per_square = typical / (1 / least + 1 / most)
         return {"diffusivities": (typical**2,), "part": (per_square / middle, per_square)}
-    spread = (most / least) ** PRECONDITIONER_GAP_FRACTION
+    spread = (most / least) ** PRECONDITIONER_SPREAD_EXPONENT
     small, large = middle / spread, middle * spread
     per_square = 1 / (1 / small - 1 / large)
     return {"diffusivities": (small, large), "part": (-per_square / large, per_square)}

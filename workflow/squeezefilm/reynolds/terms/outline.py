@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from squeezefilm.film.scene import Scene
-from squeezefilm.film.symmetry import axisymmetric
+from squeezefilm.film.symmetry import axisymmetric_mask
 from squeezefilm.reynolds.spectral import even_and_odd_matrices
-from squeezefilm.reynolds.terms.term import Arrays, Term
+from squeezefilm.reynolds.terms.term import NamedArrays, Term
 
 if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
@@ -30,14 +30,14 @@ class SmoothOutline(Term):
     NAME = "outline"
     KERNEL_FILE = "terms/outline_over_period.cl"
     KERNEL_HOOKS: ClassVar[tuple[str, ...]] = ("residual", "response")
-    IN_SINGLE_PRECISION = True
-    TIME_MATRIX_PRODUCTS = 1
+    SUPPORTS_SINGLE_PRECISION = True
+    TIME_MATRIX_PRODUCT_COUNT = 1
 
     @classmethod
     def of(cls, scene: Scene) -> SmoothOutline | None:
         if not scene.pad.smooth_outline:
             return None
-        return RadialFilm() if axisymmetric(scene.pad_positions)[0] else cls()
+        return RadialFilm() if axisymmetric_mask(scene.pad_positions)[0] else cls()
 
     @classmethod
     def note(cls, scene: Scene) -> str:
@@ -50,7 +50,7 @@ class SmoothOutline(Term):
             "force is not in its error"
         )
 
-    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+    def matrices(self, grid: Grid, *, aspect: float) -> NamedArrays:
         """The area, and modes in space by which its mean along an axis is preconditioned exactly.
 
         With α the mean of J along one axis and λ an eigenvalue of the second derivative there, the
@@ -60,31 +60,33 @@ class SmoothOutline(Term):
         outline, area = grid.outline, np.asarray(grid.area(grid.x.nodes))
         assert outline
         x, y = grid.x, grid.y
-        (length_x, length_y), weights = grid.lengths(aspect), x.weights / x.weights.sum()
+        (length_x, length_y), weights = grid.axis_lengths(aspect), x.weights / x.weights.sum()
         second = x.second_derivative / length_x**2, y.second_derivative_parts / length_y**2
-        if outline.varies_more_with_nu:
+        if outline.jacobian_varies_more_with_nu:
             mean, own, weights = weights @ area, second[1], y.weights
-            others = x.modes_in_parts[0] / length_x**2
+            others = x.even_odd_modes[0] / length_x**2
         else:
             mean, own, weights = area @ y.weights, second[0], x.weights
-            others = y.modes_in_parts[0] / length_y**2
+            others = y.even_odd_modes[0] / length_y**2
         operators = own + others[:, None, None] * np.eye(len(own))
-        if outline.varies_more_with_nu:
+        if outline.jacobian_varies_more_with_nu:
             values, vectors, inverse = _modes_of_symmetric_operators(operators, mean)
         else:
             values, vectors, inverse = _modes_of_real_operators(
-                operators / mean[:, None], in_halves=x.in_even_odd_parts
+                operators / mean[:, None], in_halves=x.uses_even_odd_parts
             )
         # Of unit mean square over the pad.
-        size = np.sqrt(weights * mean * grid.mean_area @ vectors**2)
-        evened = np.broadcast_to(mean if outline.varies_more_with_nu else mean[:, None], area.shape)
+        size = np.sqrt(weights * mean * grid.inverse_mean_area @ vectors**2)
+        evened = np.broadcast_to(
+            mean if outline.jacobian_varies_more_with_nu else mean[:, None], area.shape
+        )
         return {
             "stretch": area - 1,
             "uneven": area - evened,
             "evened": evened,
             "modes_by": vectors / size[:, None],
             "to_modes_by": inverse * size[..., None] / mean,
-            "eigenvalues": values if outline.varies_more_with_nu else values.T,
+            "eigenvalues": values if outline.jacobian_varies_more_with_nu else values.T,
         }
 
 
@@ -95,9 +97,9 @@ class RadialFilm(SmoothOutline):
     NAME = "radius"
     KERNEL_FILE = ""
     KERNEL_HOOKS = ()
-    TIME_MATRIX_PRODUCTS = 0
+    TIME_MATRIX_PRODUCT_COUNT = 0
 
-    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+    def matrices(self, grid: Grid, *, aspect: float) -> NamedArrays:
         return {}
 
 

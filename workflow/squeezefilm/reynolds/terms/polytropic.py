@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, NamedNumbers, Term
 
 
 @dataclass(frozen=True)
@@ -20,5 +20,5 @@ class Polytropic(Term):
     def of(cls, scene: Scene) -> Polytropic | None:
         return cls() if scene.gas.polytropic_exponent != 1 else None
 
-    def numbers(self, scene: OperatingPoints) -> Numbers:
+    def equation_numbers(self, scene: OperatingPoints) -> NamedNumbers:
         return {"inverse_exponent": 1 / scene.gas.polytropic_exponent}

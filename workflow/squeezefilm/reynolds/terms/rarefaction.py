@@ -16,28 +16,28 @@ from typing import Any, ClassVar
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers, Term
+from squeezefilm.reynolds.terms.term import AbsentTerm, NamedNumbers, Term
 
 # Poiseuille flow Q by x, from the linearised BGK equation (verification/rarefied_flow.py).
-FLOW_TABLE = Path(__file__).with_name("rarefied_flow.csv")
+FLOW_TABLE_PATH = Path(__file__).with_name("rarefied_flow.csv")
 # F for x → ∞, and the number of powers of u that interpolate the table to 1e-6.
-SLIP_LIMIT, FLOW_SERIES_TERM_COUNT = 1.016191418, 16
+SLIP_FLOW_LIMIT, FLOW_SERIES_TERM_COUNT = 1.016191418, 16
 # Above this Q counts as that in the fit: slip is a small part of a dense gas' flow.
-CONTINUUM_FLOW_FACTOR = 3.0
+MAX_FIT_FLOW_FACTOR = 3.0
 
 
 @lru_cache(maxsize=1)
-def slip_series() -> tuple[float, ...]:
+def slip_flow_series_coefficients() -> tuple[float, ...]:
     """Return s_k of F = ln(1 + 1/x)/√π + Σ s_k u^k, where u = (√x − 2)/(√x + 2).
 
-    The logarithm is that of free molecules, x → 0, and the sum is SLIP_LIMIT for x → ∞.
+    The logarithm is that of free molecules, x → 0, and the sum is SLIP_FLOW_LIMIT for x → ∞.
     """
-    inverse, flow = np.loadtxt(FLOW_TABLE, delimiter=",", skiprows=1, unpack=True)
+    inverse, flow = np.loadtxt(FLOW_TABLE_PATH, delimiter=",", skiprows=1, unpack=True)
     powers = np.vander(_chebyshev_argument(inverse), FLOW_SERIES_TERM_COUNT, increasing=True)
-    falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, CONTINUUM_FLOW_FACTOR)
-    rest = flow - inverse / 6 - np.log1p(1 / inverse) / np.sqrt(np.pi) - SLIP_LIMIT
+    falling, weights = powers[:, :-1] - powers[:, 1:], 1 / np.minimum(flow, MAX_FIT_FLOW_FACTOR)
+    rest = flow - inverse / 6 - np.log1p(1 / inverse) / np.sqrt(np.pi) - SLIP_FLOW_LIMIT
     series, *_ = np.linalg.lstsq(falling * weights[:, None], rest * weights, rcond=None)
-    return tuple((np.append(series, 0.0) - np.append(-SLIP_LIMIT, series)).tolist())
+    return tuple((np.append(series, 0.0) - np.append(-SLIP_FLOW_LIMIT, series)).tolist())
 
 
 def _chebyshev_argument(inverse: Any) -> Any:
@@ -46,19 +46,22 @@ def _chebyshev_argument(inverse: Any) -> Any:
 
 def slip_flow(inverse: Any) -> Any:
     """Return F at some inverse Knudsen numbers x > 0."""
-    series = np.polynomial.Polynomial(slip_series())
+    series = np.polynomial.Polynomial(slip_flow_series_coefficients())
     return np.log1p(1 / inverse) / np.sqrt(np.pi) + series(_chebyshev_argument(inverse))
 
 
-def flow_factor_derivatives(inverse: Any) -> tuple[Any, Any]:
+def slip_flow_derivatives(inverse: Any) -> tuple[Any, Any]:
     """Return the first two derivatives of F by ln x at some inverse Knudsen numbers x > 0."""
-    u, series = _chebyshev_argument(inverse), np.polynomial.Polynomial(slip_series())
+    u, series = (
+        _chebyshev_argument(inverse),
+        np.polynomial.Polynomial(slip_flow_series_coefficients()),
+    )
     slope, by_log, free = series.deriv()(u), (1 - u**2) / 4, 1 / (1 + inverse) / np.sqrt(np.pi)
     bend = (series.deriv(2)(u) * by_log - slope * u / 2) * by_log
     return slope * by_log - free, bend + free * inverse / (1 + inverse)
 
 
-def slip_coefficients(
+def slip_coefficient_and_argument(
     numbers: np.ndarray, mass: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """Return c of scenes that slip, and x where F is not 1.
@@ -74,11 +77,11 @@ def slip_coefficients(
     return coefficient, inverse
 
 
-def flow_over_viscous(numbers: np.ndarray, mass: np.ndarray) -> np.ndarray:
+def flow_to_viscous_ratio(numbers: np.ndarray, mass: np.ndarray) -> np.ndarray:
     """Return the flow over that of a viscous gas, W = 1 + c F/(ρ H); arguments as of slip_of."""
     if numbers["flow"].shape[1] == 1:
         return np.ones_like(mass)
-    coefficient, inverse = slip_coefficients(numbers, mass)
+    coefficient, inverse = slip_coefficient_and_argument(numbers, mass)
     flow = 1.0 if inverse is None else slip_flow(inverse)
     return np.asarray(1 + coefficient * flow / mass)
 
@@ -91,9 +94,9 @@ class Rarefaction(Term):
     """
 
     NAME = "rarefaction"
-    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {"flow": 2}
+    EQUATION_NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {"flow": 2}
     ABSENT_TERM = AbsentTerm("rarefaction", "gas.rarefaction is none", "no slip")
-    IN_EXPANSIONS = True
+    SUPPORTS_EXPANSIONS = True
 
     @classmethod
     def of(cls, scene: Scene) -> Rarefaction | None:
@@ -101,7 +104,7 @@ class Rarefaction(Term):
         kind = kinds.get(scene.gas.rarefaction)
         return kind(scene.gas.rarefaction) if kind else None
 
-    def numbers(self, scene: OperatingPoints) -> Numbers:
+    def equation_numbers(self, scene: OperatingPoints) -> NamedNumbers:
         return {"flow": (1.0, 6 * scene.slip_knudsen)}
 
 
@@ -110,17 +113,17 @@ class FlowFactor(Rarefaction):
     """Flow by the linearised Boltzmann equation, as of Fukui and Kaneko, J. Tribology 110, 1988."""
 
     NAME = "flow_factor"
-    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {
+    EQUATION_NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {
         "flow": 2,
         "inverse_knudsen": 0,
         "slip_series": FLOW_SERIES_TERM_COUNT,
     }
     KERNEL_FILE = "terms/rarefaction_over_period.cl"
-    IN_EXPANSIONS = False
+    SUPPORTS_EXPANSIONS = False
 
-    def numbers(self, scene: OperatingPoints) -> Numbers:
+    def equation_numbers(self, scene: OperatingPoints) -> NamedNumbers:
         return {
             "flow": (1.0, 6 / scene.inverse_knudsen),
             "inverse_knudsen": scene.inverse_knudsen,
-            "slip_series": slip_series(),
+            "slip_series": slip_flow_series_coefficients(),
         }

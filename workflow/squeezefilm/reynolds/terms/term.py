@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # for types alone: grids ask the terms
 # Where kernels add what terms have to say: to the residual of film_over_period.cl and its response
 # to a change of the mass, and, for unknowns of their own, to a step of Newton's method and to the
 # way from grid to grid (periodic.cl).
-KERNEL_HOOKS = {
+KERNEL_HOOK_PARAMETERS = {
     "residual": "(g, film, mass, work, out)",
     "response": "(g, film, mass, work, out)",
     "step": "(g, film, step, share)",
@@ -28,8 +28,8 @@ KERNEL_HOOKS = {
 }
 
 # A number is one for all scenes, or of shape (n,); a tuple of such is a row of them.
-Numbers = Mapping[str, Any]
-Arrays = Mapping[str, np.ndarray]
+NamedNumbers = Mapping[str, Any]
+NamedArrays = Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -56,38 +56,41 @@ class Term:
         ABSENT_TERM: name and reason for a scene that does not have it, if they are shown.
         BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
         KERNEL_FILE: OpenCL source of its lines for the periodic state.
-        KERNEL_HOOKS: those of KERNEL_HOOKS that this source fills, by functions ``HOOK_NAME``.
-        IN_SINGLE_PRECISION: whether its lines in the linear system work in single precision too.
-        VELOCITY_FIELDS: fields along each axis that the periodic state solves for beside the
+        KERNEL_HOOK_PARAMETERS: those of KERNEL_HOOK_PARAMETERS that this source fills, by functions
+            ``HOOK_NAME``.
+        SUPPORTS_SINGLE_PRECISION: whether its lines in the linear system work in single precision
+            too.
+        VELOCITY_FIELD_COUNT: fields along each axis that the periodic state solves for beside the
             pressure.
-        WORK_FIELDS, LINEAR_FIELDS: room that its lines need beside that, in fields, and in fields
-            of the linear system.
-        SPACE_MATRIX_PRODUCTS, TIME_MATRIX_PRODUCTS: products along each of x and y, and in time,
-            that its lines add to a Krylov iteration.
+        WORK_FIELD_COUNT, LINEAR_FIELD_COUNT: room that its lines need beside that, in fields, and
+            in fields of the linear system.
+        SPACE_MATRIX_PRODUCT_COUNT, TIME_MATRIX_PRODUCT_COUNT: products along each of x and y, and
+            in time, that its lines add to a Krylov iteration.
         CARRYING: names of the matrices that carry its unknowns from grid to grid.
-        OPERATOR_NAMES, NUMBER_WIDTHS: names of what ``operators`` and ``numbers`` have that films
-            without it lack in a program which has the term (``compiled_terms``); how many numbers,
-            0 for one.
-        IN_EXPANSIONS: whether the expansions for σ → ∞ (asymptotics/) are derived with the term.
+        OPERATOR_NAMES, EQUATION_NUMBER_WIDTHS: names of what ``scene_operators`` and
+            ``equation_numbers`` have that films without it lack in a program which has the term
+            (``compiled_terms``); how many numbers, 0 for one.
+        SUPPORTS_EXPANSIONS: whether the expansions for σ → ∞ (asymptotics/) are derived with the
+            term.
     """
 
     label: str
 
     NAME: ClassVar[str]
     ABSENT_TERM: ClassVar[AbsentTerm | None] = None
-    BREAKS_SYMMETRY_OF: ClassVar[str] = ""
+    SYMMETRY_BROKEN_AXES: ClassVar[str] = ""
     KERNEL_FILE: ClassVar[str] = ""
     KERNEL_HOOKS: ClassVar[tuple[str, ...]] = ()
-    IN_SINGLE_PRECISION: ClassVar[bool] = False
-    VELOCITY_FIELDS: ClassVar[int] = 0
-    WORK_FIELDS: ClassVar[int] = 0
-    LINEAR_FIELDS: ClassVar[int] = 0
-    SPACE_MATRIX_PRODUCTS: ClassVar[int] = 0
-    TIME_MATRIX_PRODUCTS: ClassVar[int] = 0
-    INTERPOLATION_MATRICES: ClassVar[tuple[str, ...]] = ()
+    SUPPORTS_SINGLE_PRECISION: ClassVar[bool] = False
+    VELOCITY_FIELD_COUNT: ClassVar[int] = 0
+    WORK_FIELD_COUNT: ClassVar[int] = 0
+    LINEAR_FIELD_COUNT: ClassVar[int] = 0
+    SPACE_MATRIX_PRODUCT_COUNT: ClassVar[int] = 0
+    TIME_MATRIX_PRODUCT_COUNT: ClassVar[int] = 0
+    INTERPOLATION_MATRIX_NAMES: ClassVar[tuple[str, ...]] = ()
     OPERATOR_NAMES: ClassVar[tuple[str, ...]] = ()
-    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {}
-    IN_EXPANSIONS: ClassVar[bool] = False
+    EQUATION_NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {}
+    SUPPORTS_EXPANSIONS: ClassVar[bool] = False
 
     @classmethod
     def of(cls, scene: Scene) -> Term | None:
@@ -99,39 +102,39 @@ class Term:
         """Return a note where a scene is near the end of the term's range; empty elsewhere."""
         return ""
 
-    def numbers(self, scene: Scenes) -> Numbers:
+    def equation_numbers(self, scene: Scenes) -> NamedNumbers:
         """Coefficients of the term for scenes, by their names in the kernels."""
         return {}
 
-    def layer_stiffness(self, scene: OperatingPoints, *, sigma: Any) -> Any:
+    def layer_sigma_factor(self, scene: OperatingPoints, *, sigma: Any) -> Any:
         """Largest factor of σ in the choice of the first grid for the edge's boundary layers."""
         return 1.0
 
-    def matrices(self, grid: Grid, *, aspect: float) -> Arrays:
+    def matrices(self, grid: Grid, *, aspect: float) -> NamedArrays:
         """Return the term's own matrices of a grid, by their names in the kernels.
 
         ``aspect`` is the pad's length along y over that along x, the unit of lengths.
         """
         return {}
 
-    def profile_fields(self, parts: np.ndarray, grid: Grid) -> Arrays:
+    def profile_fields(self, parts: np.ndarray, grid: Grid) -> NamedArrays:
         """Return fields of the gaps' parts (packing.py), shape (places, parts, nx, ny) each.
 
         ``parts`` have the shape (places, parts, full nx + 2, full ny + 2), ends included.
         """
         return {}
 
-    def carrying_matrices(self, coarse: Grid, fine: Grid) -> Arrays:
+    def interpolation_matrices(self, coarse: Grid, fine: Grid) -> NamedArrays:
         """The matrices of CARRYING between two grids."""
         return {}
 
-    def operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> Arrays:
+    def scene_operators(self, numbers: np.ndarray, grid: Grid, *, aspect: float) -> NamedArrays:
         """Return the operators of each scene for the periodic state, each shape (scenes, …).
 
         A name that the grid has too takes the place of that one's.
         """
         return {}
 
-    def unsupported_on_grid(self, scene: Scene) -> str:
+    def unsupported_on_grid_reason(self, scene: Scene) -> str:
         """Return the reason why the periodic state is not supported with the term, or empty."""
         return ""

@@ -31,10 +31,10 @@ from typing import Any, ClassVar
 
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS, VelocityTerm
-from squeezefilm.reynolds.terms.term import AbsentTerm, Numbers
+from squeezefilm.reynolds.terms.term import AbsentTerm, NamedNumbers
 
 # What a jump of temperature at the walls, over its slope there, adds to the warming and to its lag.
-JUMP_WARMING_FACTOR, JUMP_LAG_FACTOR = 6.0, 4.0
+TEMPERATURE_JUMP_WARMING_FACTOR, TEMPERATURE_JUMP_LAG_FACTOR = 6.0, 4.0
 
 
 def temperature_jump(scene: OperatingPoints) -> Any:
@@ -48,7 +48,7 @@ class Thermal(VelocityTerm):
     label: str = "thermal effects"
 
     NAME = "thermal"
-    NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {
+    EQUATION_NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {
         "heating": 0,
         "thermal_lag": 0,
         "viscosity_exponent": 0,
@@ -58,18 +58,18 @@ class Thermal(VelocityTerm):
     ABSENT_TERM = AbsentTerm("thermal effects", "gas.thermal does not include them", "isothermal")
     KERNEL_FILE = "terms/thermal_over_period.cl"
     KERNEL_HOOKS = ("residual", "response")
-    IN_SINGLE_PRECISION = True
-    WORK_FIELDS = 8
+    SUPPORTS_SINGLE_PRECISION = True
+    WORK_FIELD_COUNT = 8
 
     @classmethod
     def of(cls, scene: Scene) -> Thermal | None:
         return cls() if scene.gas.thermal == "included" else None
 
-    def numbers(self, scene: OperatingPoints) -> Numbers:
+    def equation_numbers(self, scene: OperatingPoints) -> NamedNumbers:
         conduction = scene.gas.prandtl * scene.modified_reynolds
         adiabatic = 1 - 1 / scene.gas.heat_capacity_ratio
         jump = temperature_jump(scene)
-        warms, lags = JUMP_WARMING_FACTOR * jump, JUMP_LAG_FACTOR * jump
+        warms, lags = TEMPERATURE_JUMP_WARMING_FACTOR * jump, TEMPERATURE_JUMP_LAG_FACTOR * jump
         return {
             "heating": adiabatic * conduction,
             "thermal_lag": LAG_PER_REYNOLDS * conduction,
@@ -80,7 +80,7 @@ class Thermal(VelocityTerm):
             "warming": adiabatic / (12 * LAG_PER_REYNOLDS) * (1 + warms) / (1 + lags),
         }
 
-    def unsupported_on_grid(self, scene: Scene) -> str:
+    def unsupported_on_grid_reason(self, scene: Scene) -> str:
         if scene.gas.polytropic_exponent != 1:
             return "not supported: gas.thermal with another gas.polytropic_exponent than 1"
-        return super().unsupported_on_grid(scene)
+        return super().unsupported_on_grid_reason(scene)

@@ -14,39 +14,39 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import POLAR, columns_in_form
-from squeezefilm.models.data import POSITION_COLUMNS, Factors, factors_of
-from squeezefilm.models.fit_file import FIT_FILE_FORMAT, FittedModel, fit_from_values
+from squeezefilm.film.positions import POLAR_COLUMNS, columns_in_table_form
+from squeezefilm.models.data import POSITION_COLUMNS, Factors, factors_of_table
+from squeezefilm.models.fit_file import FIT_FILE_FORMAT_VERSION, FittedModel, fit_from_values
 from squeezefilm.models.fitting import (
     PARAMETER_RANGES_NOTE,
     Fit,
     ParameterRange,
-    best_run_of_bounds,
+    best_fit_of_bounds,
     check_identifiable,
     fit_by_searches,
-    genetic_searches,
     open_range_notes,
     parameter_ranges,
-    search_by_evolution,
+    run_differential_evolution,
+    run_genetic_searches,
 )
 from squeezefilm.models.force_model import ExpressionModel, check_columns_known
 from squeezefilm.models.prediction_interval import (
+    conformal_interval,
     error_scale_of_residuals,
     error_statistics,
-    fold_of_points,
+    fold_indices_of_points,
     held_out_predictions,
-    measured_interval,
     relative_errors,
 )
-from squeezefilm.studies.space import space_of
-from squeezefilm.studies.study import film_of, scenes_in
+from squeezefilm.studies.space import space_of_study
+from squeezefilm.studies.study import film_values, scenes_of_table
 from squeezefilm.studies.tasks.physics_limits import (
-    limit_table_of,
-    with_asymptotes,
+    limit_table_of_study,
+    with_asymptotic_forces,
     with_limit_forces,
 )
 from squeezefilm.studies.tasks.scan_errors import scan_errors_of_study
-from squeezefilm.tables import FACTOR_COLUMNS, LIMIT_COLUMNS, SCENE_COLUMNS, read_json
+from squeezefilm.tables import ASYMPTOTIC_FORCE_COLUMNS, FACTOR_COLUMNS, SCENE_COLUMNS, read_json
 
 CROSS_VALIDATION_FOLDS, CROSS_VALIDATION_SEED = 5, 1
 """Of the cross-validation that gives a fit's error at points it was not fitted to."""
@@ -54,7 +54,7 @@ MAX_LIMIT_TABLE_ERROR_FRACTION = 0.1
 """Largest error of a table of asymptotic forces over that of a model that uses it."""
 
 
-def profile_uncertainty(config: Study, *, summary: Path | str | None = None) -> float:
+def profile_uncertainty_fraction(config: Study, *, summary: Path | str | None = None) -> float:
     """Largest uncertainty of a force by the scan of a study's profile, a fraction; 0 without one.
 
     Args:
@@ -70,15 +70,15 @@ def profile_uncertainty(config: Study, *, summary: Path | str | None = None) -> 
 
 def asymptotic_forces_of_table(points: pd.DataFrame, config: Study) -> pd.DataFrame:
     """The asymptotic forces of the scenes of a table."""
-    return with_asymptotes(points, scenes_in(points, config))[
-        columns_in_form(LIMIT_COLUMNS, points)
+    return with_asymptotic_forces(points, scenes_of_table(points, config))[
+        columns_in_table_form(ASYMPTOTIC_FORCE_COLUMNS, points)
     ]
 
 
 def limit_table_values(config: Study) -> dict[str, Any]:
     """A table of the asymptotic forces over the study's space for JSON, or why there is none."""
     try:
-        return limit_table_of(config).model_dump(mode="json")
+        return limit_table_of_study(config).model_dump(mode="json")
     except InputError as error:
         return {"not_supported": str(error)}
 
@@ -115,8 +115,8 @@ def fit_to_forces(
     if model.column_names and limit_table is None:
         limit_table = limit_table_values(config)
     if uncertainty is None:
-        uncertainty = profile_uncertainty(config)
-    factors = factors_of(with_limit_forces(model, forces, config))
+        uncertainty = profile_uncertainty_fraction(config)
+    factors = factors_of_table(with_limit_forces(model, forces, config))
     force_n = forces["force_n"].to_numpy()
     check_columns_known(model, factors)
     if len(factors) >= len(model.parameter_names):
@@ -125,12 +125,12 @@ def fit_to_forces(
         seeds = settings.seeds.two_factor if model.is_centred else settings.seeds.four_factor
     first = settings.first_seed
     searches = [
-        *((genetic_searches, first + number) for number in range(seeds)),
-        (search_by_evolution, first),
+        *((run_genetic_searches, first + number) for number in range(seeds)),
+        (run_differential_evolution, first),
     ]
     ways = [(bound, *search) for bound, search in product(settings.bounds, searches)]
     runs = fit_by_searches(ways, model, factors, force_n, processes=processes)
-    best, bound_notes = best_run_of_bounds(runs, model, factors, force_n)
+    best, bound_notes = best_fit_of_bounds(runs, model, factors, force_n)
     absent_terms = forces["absent_terms"]
     about = fit_values(model, config, factors, force_n, best, absent_terms, uncertainty=uncertainty)
     about["source"] = {"squeezefilm": __version__, **source}
@@ -139,7 +139,7 @@ def fit_to_forces(
         about["limit_table"] = limit_table
     fit = fit_from_values(about, source=f"{config.study}: {model.name}")
     if sample is not None:
-        fit = with_interval(fit, config, sample=sample)
+        fit = with_prediction_interval(fit, config, sample=sample)
     return fit, pd.DataFrame([_fit_run_row(run, model) for run in runs])
 
 
@@ -155,15 +155,17 @@ def fit_values(
 ) -> dict[str, Any]:
     """A fit as its file holds it: formula, units, ranges, errors, and the study's film."""
     # A model that knows no position was fitted at some all the same.
-    position = () if set(model.factor_names) & set(POSITION_COLUMNS) else POLAR[:1]
-    folds = fold_of_points(factors, folds=CROSS_VALIDATION_FOLDS, seed=CROSS_VALIDATION_SEED)
+    position = () if set(model.factor_names) & set(POSITION_COLUMNS) else POLAR_COLUMNS[:1]
+    folds = fold_indices_of_points(
+        factors, folds=CROSS_VALIDATION_FOLDS, seed=CROSS_VALIDATION_SEED
+    )
     held_out = held_out_predictions(model, factors, force_n, theta=fit.theta, folds=folds)
     known = bool(np.isfinite(held_out).all())
     sizes = error_statistics(model_n=held_out, simulation_n=force_n) if known else {}
     ranges, notes = _parameter_ranges_and_notes(model, factors, force_n, fit.theta)
     missed_n = held_out - force_n if known else np.full(len(force_n), np.nan)
     return {
-        "format": FIT_FILE_FORMAT,
+        "format": FIT_FILE_FORMAT_VERSION,
         **asdict(fit),
         "about": model.about,
         "expression": model.expression,
@@ -182,7 +184,7 @@ def fit_values(
         "error_scale": list(error_scale_of_residuals(missed_n, force_n)),
         "profile_uncertainty": uncertainty,
         "directions": config.symmetry().to_dict(),
-        "film": film_of(config, absent_terms=absent_terms),
+        "film": film_values(config, absent_terms=absent_terms),
     }
 
 
@@ -199,18 +201,20 @@ def _parameter_ranges_and_notes(
     return ranges, open_range_notes(ranges)
 
 
-def with_interval(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> FittedModel:
+def with_prediction_interval(
+    fit: FittedModel, config: Study, *, sample: pd.DataFrame
+) -> FittedModel:
     """The same fit with the prediction interval that a validation sample gives.
 
     Raises InputError where the fit's table of asymptotic forces errs by more than a tenth of the
     model, against the limits at the sample's points.
     """
     model = fit.force_model
-    factors = factors_of(with_limit_forces(model, sample, config))
+    factors = factors_of_table(with_limit_forces(model, sample, config))
     force = sample["force_n"].where(sample["status"] == "ok").to_numpy()
     exact_n = model_n = model.evaluate(fit.theta, factors)
     if model.column_names and fit.limit_table is not None:
-        model_n = model.evaluate(fit.theta, fit.limit_table.with_limits(factors))
+        model_n = model.evaluate(fit.theta, fit.limit_table.with_asymptotic_forces(factors))
         errors = exact_n - np.stack([force, model_n])
         errors = errors[:, np.isfinite(errors).all(axis=0)]
         own, table = np.sqrt(np.sum(errors**2, axis=1) / max(errors.shape[1], 1))
@@ -220,16 +224,16 @@ def with_interval(fit: FittedModel, config: Study, *, sample: pd.DataFrame) -> F
                 f"by {table:.2g} N (root mean square over the validation sample) and the model "
                 f"{fit.model} by {own:.2g} N; a tenth of that is allowed"
             )
-    interval = measured_interval(
+    interval = conformal_interval(
         factors,
         model_n=model_n,
         force_n=force,
         force_error_n=sample["force_error_n"],
         scale=fit.error_scale,
-        ranges=space_of(config, centred=not factors.phi_r_m.any()).limits_of_all,
+        ranges=space_of_study(config, centred=not factors.phi_r_m.any()).limits_of_all_factors,
         profile_uncertainty=fit.profile_uncertainty,
     )
-    return fit.model_copy(update={"interval": interval})
+    return fit.model_copy(update={"prediction_interval": interval})
 
 
 def _fit_run_row(fit: Fit, model: ExpressionModel) -> dict[str, object]:
@@ -248,14 +252,14 @@ def errors_of_fit(
     over all points; it has the share of points within the study's band of relative errors.
     """
     band = config.validation.relative_error_band
-    factors = factors_of(with_limit_forces(fit.force_model, forces, config))
+    factors = factors_of_table(with_limit_forces(fit.force_model, forces, config))
     check_columns_known(fit.force_model, factors)
     predicted = fit.force_model.evaluate(fit.theta, factors)
     simulated = forces["force_n"].to_numpy()
     errors = relative_errors(model_n=predicted, simulation_n=simulated)
     sizes = error_statistics(model_n=predicted, simulation_n=simulated)
     worst = int(np.argmax(np.abs(errors)))
-    table = forces[columns_in_form(SCENE_COLUMNS, forces)].assign(
+    table = forces[columns_in_table_form(SCENE_COLUMNS, forces)].assign(
         force_n=simulated, model_n=predicted, relative_error=errors
     )
     point = table.iloc[worst]
@@ -267,5 +271,8 @@ def errors_of_fit(
         "fraction_within_band": float(np.mean(np.abs(errors) <= band)),
         "worst_relative_error": float(errors[worst]),
         "worst_point_id": point["point_id"],
-        **{f"worst_{name}": float(point[name]) for name in columns_in_form(FACTOR_COLUMNS, forces)},
+        **{
+            f"worst_{name}": float(point[name])
+            for name in columns_in_table_form(FACTOR_COLUMNS, forces)
+        },
     }

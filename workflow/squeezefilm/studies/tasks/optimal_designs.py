@@ -10,30 +10,30 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.config.study import Optimal, Study
+from squeezefilm.config.study import OptimalDesigns, Study
 from squeezefilm.designs.optimal import (
     ContinuousDesign,
-    Gradients,
-    exchange,
+    GradientFunction,
+    exact_design_by_exchange,
     log_determinant,
     maximin_design,
-    optimal_in_box,
-    optimal_weights,
+    optimal_approximate_design,
+    optimal_design_in_space,
     sensitivity,
 )
-from squeezefilm.designs.space import coordinates
+from squeezefilm.designs.space import coordinate_function
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import CARTESIAN
-from squeezefilm.models.data import RANGE_TOLERANCE, factors_of
+from squeezefilm.film.positions import CARTESIAN_COLUMNS
+from squeezefilm.models.data import RANGE_TOLERANCE, factors_of_table
 from squeezefilm.models.fit_file import FittedModel
-from squeezefilm.models.fitting import local_fit, parameter_ranges
+from squeezefilm.models.fitting import local_fit_theta, parameter_ranges
 from squeezefilm.models.force_model import check_columns_known
-from squeezefilm.studies.space import plan, points_of_table, space_of, table_of_points
+from squeezefilm.studies.space import plan_table, points_of_table, space_of_study, table_of_points
 from squeezefilm.studies.tasks.physics_limits import with_limit_forces
 
-SENSITIVITY_MAP_LINES = 31
+MAP_POINTS_PER_FACTOR = 31
 """Lines of the sensitivity's map along each factor."""
-MAX_POINTS_NAMED = 5
+MAX_NAMED_POINTS = 5
 """Points that a note names."""
 
 
@@ -50,28 +50,28 @@ class FittedSpace:
 
     def __init__(self, fit: FittedModel, config: Study, *, forces: pd.DataFrame) -> None:
         self.model, self.config = fit.force_model, config
-        factors = factors_of(with_limit_forces(self.model, forces, config))
+        factors = factors_of_table(with_limit_forces(self.model, forces, config))
         check_columns_known(self.model, factors)
         if not fit.theta:
             raise InputError(f"the model {fit.model} has no parameters; nothing is to be designed")
         force_n = forces["force_n"].to_numpy()
-        theta = local_fit(self.model, factors, force_n, np.array(fit.theta))
+        theta = local_fit_theta(self.model, factors, force_n, np.array(fit.theta))
         ranges = parameter_ranges(self.model, factors, force_n, theta)
         lower = [parameter.theta_lower for parameter in ranges if np.isfinite(parameter.lower)]
         upper = [parameter.theta_upper for parameter in ranges if np.isfinite(parameter.upper)]
         self.thetas = np.array([theta, *lower, *upper])
-        self.space = space_of(config, centred=self.model.is_centred)
-        self.coordinates = coordinates("scene", self.space)
+        self.space = space_of_study(config, centred=self.model.is_centred)
+        self.coordinates = coordinate_function("scene", self.space)
         most = config.optimal.candidates
         self.grid = self.space.grid(most, distinct=True)
         self.everywhere = self.space.grid(most, distinct=False)
 
     def derivatives(self, points: np.ndarray, *, every: bool = False) -> np.ndarray:
         """dη/dθ at points for the fit, or for every parameter vector, shape (K, n, p)."""
-        names, position = list(self.space.names), self.space.position
-        table = plan(pd.DataFrame(points, columns=names), position=position)
+        names, position = list(self.space.names), self.space.position_columns
+        table = plan_table(pd.DataFrame(points, columns=names), position=position)
         thetas = self.thetas if every else self.thetas[:1]
-        factors = factors_of(with_limit_forces(self.model, table, self.config))
+        factors = factors_of_table(with_limit_forces(self.model, table, self.config))
         return np.array([self.model.gradient(theta, factors) for theta in thetas])
 
     def outside(self, points: np.ndarray) -> np.ndarray:
@@ -80,7 +80,7 @@ class FittedSpace:
 
 
 def designs_by_name(
-    fitted: FittedSpace, settings: Optimal, *, existing: pd.DataFrame | None
+    fitted: FittedSpace, settings: OptimalDesigns, *, existing: pd.DataFrame | None
 ) -> dict[str, ContinuousDesign]:
     """All designs by name, the local one first: local, bayesian, maximin, exact-N, augmented.
 
@@ -90,8 +90,8 @@ def designs_by_name(
     """
     maximin = maximin_design(fitted.derivatives(fitted.everywhere, every=True))
     designs = {
-        "local": _design_in_space(fitted, fitted.derivatives),
-        "bayesian": _design_in_space(fitted, partial(fitted.derivatives, every=True)),
+        "local": _optimal_design_in_space(fitted, fitted.derivatives),
+        "bayesian": _optimal_design_in_space(fitted, partial(fitted.derivatives, every=True)),
         "maximin": maximin.on(fitted.everywhere),
     }
     derivatives, parameters = fitted.derivatives(fitted.grid), fitted.thetas.shape[1]
@@ -102,36 +102,36 @@ def designs_by_name(
     }
     for count in settings.points:
         if count >= parameters:
-            chosen = exchange(derivatives, count, **apart)
-            designs[f"exact-{count}"] = _design_of_equal_weights(fitted.grid[chosen])
-    designs = {name: _points_in_order(design) for name, design in designs.items()}
+            chosen = exact_design_by_exchange(derivatives, count, **apart)
+            designs[f"exact-{count}"] = _equal_weight_design(fitted.grid[chosen])
+    designs = {name: _design_sorted_by_points(design) for name, design in designs.items()}
     if existing is not None:
         there = points_of_table(existing, fitted.space)
-        added = exchange(
+        added = exact_design_by_exchange(
             derivatives,
             parameters,
             existing=fitted.derivatives(there),
             existing_coordinates=fitted.coordinates(there),
             **apart,
         )
-        designs["augmented"] = _design_of_equal_weights(np.concatenate([there, fitted.grid[added]]))
+        designs["augmented"] = _equal_weight_design(np.concatenate([there, fitted.grid[added]]))
     return designs
 
 
-def _design_in_space(fitted: FittedSpace, gradients: Gradients) -> ContinuousDesign:
+def _optimal_design_in_space(fitted: FittedSpace, gradients: GradientFunction) -> ContinuousDesign:
     """The best weights on the grid; and off it, where derivatives cost no physics and the whole
     space can be simulated.
     """
-    if not fitted.model.column_names and fitted.space.allowed(fitted.space.levels(2)).all():
-        return optimal_in_box(gradients, fitted.space, fitted.everywhere, gap=1e-8)
-    return optimal_weights(gradients(fitted.everywhere)).on(fitted.everywhere)
+    if not fitted.model.column_names and fitted.space.allowed_mask(fitted.space.levels(2)).all():
+        return optimal_design_in_space(gradients, fitted.space, fitted.everywhere, gap=1e-8)
+    return optimal_approximate_design(gradients(fitted.everywhere)).on(fitted.everywhere)
 
 
-def _design_of_equal_weights(points: np.ndarray) -> ContinuousDesign:
+def _equal_weight_design(points: np.ndarray) -> ContinuousDesign:
     return ContinuousDesign(points, np.full(len(points), 1 / len(points)))
 
 
-def _points_in_order(design: ContinuousDesign) -> ContinuousDesign:
+def _design_sorted_by_points(design: ContinuousDesign) -> ContinuousDesign:
     order = np.lexsort(np.round(design.points, 12).T[::-1])
     return replace(design, points=design.points[order], weights=design.weights[order])
 
@@ -156,7 +156,7 @@ def efficiency_table(
     lower bound does not need the best design; others are points by the names of their plans.
     """
     candidates, local = fitted.derivatives(fitted.everywhere, every=True), designs["local"]
-    best = np.array([optimal_weights(layer).log_det[0] for layer in candidates])
+    best = np.array([optimal_approximate_design(layer).log_det[0] for layer in candidates])
     # Off the grid the best design may be a little better than on it.
     own = fitted.derivatives(local.points)[0]
     best[0] = max(best[0], *log_determinant(own, local.weights))
@@ -164,7 +164,7 @@ def efficiency_table(
     rows = []
     plans = {
         **designs,
-        **{name: _design_of_equal_weights(points) for name, points in others.items()},
+        **{name: _equal_weight_design(points) for name, points in others.items()},
     }
     for name, design in plans.items():
         points, weights = design.points, design.weights
@@ -204,7 +204,7 @@ def _design_notes(
         outside = fitted.outside(points_of_table(existing, fitted.space))
         points = existing.loc[outside, "point_id"].tolist()
         if points:
-            ids = ", ".join(points[:MAX_POINTS_NAMED]) + ", …" * (len(points) > MAX_POINTS_NAMED)
+            ids = ", ".join(points[:MAX_NAMED_POINTS]) + ", …" * (len(points) > MAX_NAMED_POINTS)
             limits = fitted.space.limits.items()
             ranges = ", ".join(f"{name} {low:.4g} … {high:.4g}" for name, (low, high) in limits)
             notes.append(
@@ -223,13 +223,13 @@ def sensitivity_map(fitted: FittedSpace, local: ContinuousDesign) -> pd.DataFram
     """
     space, own = fitted.space, fitted.derivatives(local.points)
     layers = {"design": local.points}
-    lines = np.linspace(0, 1, SENSITIVITY_MAP_LINES)
+    lines = np.linspace(0, 1, MAP_POINTS_PER_FACTOR)
     gaps = np.stack(np.meshgrid(lines, lines, indexing="ij"), axis=-1).reshape(-1, 2)
     if len(space.names) == 2:
         layers["gap"] = space.from_unit(gaps)
     else:
         ends = [[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0]]
-        if space.names[2:] == CARTESIAN:
+        if space.names[2:] == CARTESIAN_COLUMNS:
             ends = [[0.0, 0.0], [1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [1.0, 1.0]]
         everywhere = np.repeat(gaps, len(ends), axis=0), np.tile(ends, (len(gaps), 1))
         layers["gap"] = space.from_unit(np.hstack(everywhere))
@@ -237,9 +237,9 @@ def sensitivity_map(fitted: FittedSpace, local: ContinuousDesign) -> pd.DataFram
         layers["position"] = space.from_unit(np.column_stack([narrow, gaps]))
     parts = []
     for layer, points in layers.items():
-        points = points[space.allowed(points)]
+        points = points[space.allowed_mask(points)]
         level = sensitivity(own, fitted.derivatives(points), weights=local.weights)
-        at = factors_of(table_of_points(points, space))
+        at = factors_of_table(table_of_points(points, space))
         micrometres = {"h0_um": 1e6 * at.h0_m, "hv_um": 1e6 * at.hv_m}
         position_mm = {"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m}
         part = pd.DataFrame({"layer": layer, **micrometres, **position_mm}).round(9)

@@ -17,16 +17,16 @@ from squeezefilm.designs.paper_design import (
     DesignPattern,
     add_corner_points,
     distinct_support_points,
-    find_patterns,
+    find_design_patterns,
     search_design,
-    spread_on_lines,
+    spread_along_ratio_lines,
 )
-from squeezefilm.designs.space import Space, coordinates
+from squeezefilm.designs.space import Space, coordinate_function
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import get_model
 from squeezefilm.parallel import parallel_map
-from squeezefilm.studies.space import plan, round_to_twelve_digits, space_of
+from squeezefilm.studies.space import plan_table, round_to_twelve_digits, space_of_study
 
 PARAMETER_DIGITS = 6
 TWO_FACTOR_SCALINGS = ("unit", "micrometre", "metre")
@@ -37,11 +37,11 @@ PaperDesigns = dict[str, pd.DataFrame | dict[str, Any]]
 
 
 def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
-    settings, space = config.design, space_of(config, centred=True)
+    settings, space = config.design, space_of_study(config, centred=True)
     determinant = _determinant_criterion(fit, space)
     searches, summary = [], {}
     for scaling in TWO_FACTOR_SCALINGS:
-        criterion = replace(determinant, distance=coordinates(scaling, space))
+        criterion = replace(determinant, distance_coordinates=coordinate_function(scaling, space))
         patterns, table, summary[scaling] = _pattern_tables(
             scaling, criterion, len(fit.theta), settings, processes=processes
         )
@@ -51,7 +51,7 @@ def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> Pa
                 criterion, distinct_support_points(patterns, space), settings.points
             )
     points = np.array([region.point for region in regions])
-    design = plan(_factor_table(points, space), position=fit.position)
+    design = plan_table(_factor_table(points, space), position=fit.position_columns)
     design["origin"] = [" and ".join(region.pattern_names) for region in regions]
     about = {"scaling": settings.scaling, "searches": settings.searches, "scalings": summary}
     search_table = pd.concat(searches, ignore_index=True)
@@ -59,9 +59,9 @@ def two_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> Pa
 
 
 def four_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> PaperDesigns:
-    settings, space = config.four_factor_design, space_of(config)
-    criterion, scene = _determinant_criterion(fit, space), coordinates("scene", space)
-    distinct = replace(criterion, apart=scene, separation=settings.separation)
+    settings, space = config.four_factor_design, space_of_study(config)
+    criterion, scene = _determinant_criterion(fit, space), coordinate_function("scene", space)
+    distinct = replace(criterion, separation_coordinates=scene, separation=settings.separation)
     designs, summary = {}, {}
     for form, criterion_of_form in {"paper": criterion, "distinct": distinct}.items():
         patterns, _, summary[form] = _pattern_tables(
@@ -72,7 +72,9 @@ def four_factor_designs(fit: FittedModel, config: Study, *, processes: int) -> P
             ratio=("h0_m", "hv_m"),
             processes=processes,
         )
-        designs[form] = plan(_factor_table(patterns[0].design.points, space)).assign(origin=form)
+        designs[form] = plan_table(_factor_table(patterns[0].design.points, space)).assign(
+            origin=form
+        )
     return designs | {"summary": {"searches": settings.searches, "forms": summary}}
 
 
@@ -84,10 +86,10 @@ def _determinant_criterion(fit: FittedModel, space: Space) -> Criterion:
     model = get_model(fit.model)
     theta = np.array([float(f"{value:.{PARAMETER_DIGITS}g}") for value in fit.theta])
 
-    def gradient(points: np.ndarray) -> np.ndarray:
+    def parameter_gradient(points: np.ndarray) -> np.ndarray:
         return model.gradient(theta, Factors.of(**dict(zip(space.names, points.T, strict=True))))
 
-    return Criterion(gradient, space)
+    return Criterion(parameter_gradient, space)
 
 
 def _pattern_tables(
@@ -106,9 +108,9 @@ def _pattern_tables(
         lambda seed: search_design(criterion, points, seed=seed), seeds, processes=processes
     )
     if ratio:
-        designs = [spread_on_lines(criterion, design, ratio=ratio) for design in designs]
-    patterns = find_patterns(designs, space)
-    names = {index: pattern.name for pattern in patterns for index in pattern.members}
+        designs = [spread_along_ratio_lines(criterion, design, ratio=ratio) for design in designs]
+    patterns = find_design_patterns(designs, space)
+    names = {index: pattern.name for pattern in patterns for index in pattern.design_indices}
     searches = [
         _factor_table(design.points, space).assign(search=index + 1, objective=design.value)
         for index, design in enumerate(designs)
@@ -118,7 +120,7 @@ def _pattern_tables(
     summaries = [
         {
             "pattern": pattern.name,
-            "count": len(pattern.members),
+            "count": len(pattern.design_indices),
             "objective": pattern.design.value,
             "objective_excess": pattern.design.value - patterns[0].design.value,
             "points": _factor_table(pattern.design.points, space).to_dict("records"),

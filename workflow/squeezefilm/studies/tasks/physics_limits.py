@@ -17,7 +17,7 @@ from numpy.polynomial import chebyshev
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene
-from squeezefilm.models.data import PHYSICS_COLUMNS, factors_of
+from squeezefilm.models.data import PHYSICS_COLUMN_OF_NAME, factors_of_table
 from squeezefilm.models.force_model import ExpressionModel
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.reynolds.asymptotics.composite import (
@@ -27,17 +27,19 @@ from squeezefilm.reynolds.asymptotics.composite import (
     high_squeeze_limit,
     reasons_not_expanded,
 )
-from squeezefilm.reynolds.plan import plan_of
-from squeezefilm.studies.space import plan, space_of
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.reynolds.plan import solve_plan_of
+from squeezefilm.studies.space import plan_table, space_of_study
+from squeezefilm.studies.study import scenes_of_table
 
 LIMIT_TOLERANCE, LIMIT_TOLERANCE_WITH_INERTIA = 1e-8, 1e-6
 """Of the limits' grids, which are cheap: far below the error of the limits."""
-EXPANSIONS = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansion}
-EXPANSIONS_WITH_INERTIA = EXPANSIONS | {"limit_n": composite_expansion}
-EXPANSION_INVALID = "not supported: the asymptotic force for large squeeze numbers does not hold"
+EXPANSION_OF_COLUMN = {"fast_limit_n": high_squeeze_limit, "limit_n": edge_layer_expansion}
+INERTIA_EXPANSION_OF_COLUMN = EXPANSION_OF_COLUMN | {"limit_n": composite_expansion}
+EXPANSION_INVALID_STATUS = (
+    "not supported: the asymptotic force for large squeeze numbers does not hold"
+)
 TABLE_CHECK_POINTS, TABLE_CHECK_SEED = 500, 3
-LINES_PER_AXIS, POINTS_PER_LINE = 3, 65
+PROBE_LINES_PER_AXIS, POINTS_PER_PROBE_LINE = 3, 65
 """Along each axis of a table, at random places of the others, to choose its points, and Chebyshev
 points of a line, by which the decay of coefficients is measured."""
 MIN_POINTS_PER_AXIS, MAX_TABLE_NODES = 3, 15_000
@@ -48,9 +50,9 @@ TABLE_TOLERANCE, TABLE_TOLERANCE_WITH_INERTIA = 3e-7, 1e-5
 """Of a table, relative; the best fitted corrections of the limits leave 3e-5 of the force."""
 
 
-def with_asymptotes(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
+def with_asymptotic_forces(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """A table of scenes with its limits in newtons; NaN where they do not hold."""
-    films = plan_of(
+    films = solve_plan_of(
         [s.with_gas(inertia="included") if s.gas.inertia == "auto" else s for s in scenes]
     )
     underived = reasons_not_expanded(films)
@@ -58,9 +60,11 @@ def with_asymptotes(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFram
     has = np.broadcast_to(films.scenes.gas.inertia == "included", len(scenes))
     scale_n = np.broadcast_to(films.scenes.force_scale_n, len(scenes))
     columns = {"sigma": films.scenes.sigma}
-    columns |= {name: np.full(len(scenes), np.nan) for name in (*EXPANSIONS, "limit_error_n")}
-    for inertia, column in product((False, True), EXPANSIONS):
-        expand = (EXPANSIONS_WITH_INERTIA if inertia else EXPANSIONS)[column]
+    columns |= {
+        name: np.full(len(scenes), np.nan) for name in (*EXPANSION_OF_COLUMN, "limit_error_n")
+    }
+    for inertia, column in product((False, True), EXPANSION_OF_COLUMN):
+        expand = (INERTIA_EXPANSION_OF_COLUMN if inertia else EXPANSION_OF_COLUMN)[column]
         found = expand_scenes(
             expand,
             films,
@@ -73,7 +77,7 @@ def with_asymptotes(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFram
         if column == "limit_n":
             columns["limit_error_n"][found.rows] = found.error * scale_n[found.rows]
     status = [
-        "ok" if known else underived.get(row, EXPANSION_INVALID)
+        "ok" if known else underived.get(row, EXPANSION_INVALID_STATUS)
         for row, known in enumerate(np.isfinite(columns["limit_n"]))
     ]
     return table.assign(**columns, status=status)
@@ -83,11 +87,11 @@ def with_limit_forces(model: ExpressionModel, points: pd.DataFrame, config: Stud
     """Points with the asymptotic forces that a model uses, computed unless the table has them."""
     if not set(model.column_names) - set(points):
         return points
-    limits = with_asymptotes(points, scenes_in(points, config))
-    return points.assign(**limits[[*PHYSICS_COLUMNS.values()]])
+    limits = with_asymptotic_forces(points, scenes_of_table(points, config))
+    return points.assign(**limits[[*PHYSICS_COLUMN_OF_NAME.values()]])
 
 
-def limit_table_of(config: Study) -> LimitTable:
+def limit_table_of_study(config: Study) -> LimitTable:
     """The table of a study's limits, checked at random points.
 
     A limit over ε² is smooth; how many Chebyshev points each factor needs is measured on a few
@@ -95,7 +99,7 @@ def limit_table_of(config: Study) -> LimitTable:
 
     Raises InputError where the limits do not hold all over the space.
     """
-    ranges = dict(space_of(config).limits)
+    ranges = dict(space_of_study(config).limits)
     del ranges["hv_m"]
     epsilon_square = {"epsilon_square": (0.0, MAX_EPSILON_SQUARE)}
     ranges = {"h0_m": ranges.pop("h0_m"), **epsilon_square, **ranges}
@@ -109,7 +113,7 @@ def limit_table_of(config: Study) -> LimitTable:
         config, dict(zip(ranges, map(np.ravel, nodes), strict=True))
     )
     coefficients = {}
-    for name, values in zip(EXPANSIONS, smooth, strict=True):
+    for name, values in zip(EXPANSION_OF_COLUMN, smooth, strict=True):
         transformed = values.reshape(shape)
         for axis in range(len(shape)):
             transformed = _chebyshev_coefficients(transformed, axis=axis)
@@ -125,8 +129,10 @@ def limit_table_of(config: Study) -> LimitTable:
     drawn = {axis: random.uniform(*ranges[axis], TABLE_CHECK_POINTS) for axis in ranges}
     drawn["epsilon_square"] = np.maximum(drawn["epsilon_square"], 1e-6)
     checked, _ = _asymptotic_forces_at(config, drawn)
-    interpolated = table.with_limits(factors_of(checked))
-    errors = [np.abs(interpolated.column(name) / checked[name] - 1).max() for name in EXPANSIONS]
+    interpolated = table.with_asymptotic_forces(factors_of_table(checked))
+    errors = [
+        np.abs(interpolated.column(name) / checked[name] - 1).max() for name in EXPANSION_OF_COLUMN
+    ]
     return table.model_copy(update={"largest_relative_error": float(max(errors))})
 
 
@@ -143,11 +149,13 @@ def _node_counts(
         if low == high:
             continue
         at = {
-            axis: np.repeat(random.uniform(*limits, LINES_PER_AXIS), POINTS_PER_LINE)
+            axis: np.repeat(random.uniform(*limits, PROBE_LINES_PER_AXIS), POINTS_PER_PROBE_LINE)
             for axis, limits in ranges.items()
         }
-        at[along] = np.tile(_chebyshev_points(ranges[along], POINTS_PER_LINE), LINES_PER_AXIS)
-        lines = _asymptotic_forces_at(config, at)[1].reshape(-1, POINTS_PER_LINE)
+        at[along] = np.tile(
+            _chebyshev_points(ranges[along], POINTS_PER_PROBE_LINE), PROBE_LINES_PER_AXIS
+        )
+        lines = _asymptotic_forces_at(config, at)[1].reshape(-1, POINTS_PER_PROBE_LINE)
         sizes = np.abs(_chebyshev_coefficients(lines, axis=1)) / np.abs(lines).mean(
             axis=1, keepdims=True
         )
@@ -157,10 +165,10 @@ def _node_counts(
     tolerance = TABLE_TOLERANCE_WITH_INERTIA if inertia else TABLE_TOLERANCE
     counts = {axis: MIN_POINTS_PER_AXIS if axis in tails else 1 for axis in ranges}
 
-    def remaining_tail(axis: str) -> float:
+    def tail_beyond_node_count(axis: str) -> float:
         return float(tails[axis][counts[axis]])
 
-    while remaining_tail(widest := max(tails, key=remaining_tail)) > tolerance:
+    while tail_beyond_node_count(widest := max(tails, key=tail_beyond_node_count)) > tolerance:
         if prod(counts.values()) // counts[widest] * (counts[widest] + 1) > MAX_TABLE_NODES:
             break
         counts[widest] += 1
@@ -184,10 +192,10 @@ def _chebyshev_coefficients(values: np.ndarray, *, axis: int) -> np.ndarray:
 def _asymptotic_forces_at(
     config: Study, at: dict[str, np.ndarray]
 ) -> tuple[pd.DataFrame, np.ndarray]:
-    """The limits at points, and both EXPANSIONS over ε², which is smooth, shape (2, n)."""
+    """The limits at points, and both EXPANSION_OF_COLUMN over ε², which is smooth, shape (2, n)."""
     factors = pd.DataFrame(at).assign(hv_m=at["h0_m"] * np.sqrt(at["epsilon_square"]))
-    table = plan(factors.drop(columns="epsilon_square"))
-    limits = with_asymptotes(table, scenes_in(table, config))
+    table = plan_table(factors.drop(columns="epsilon_square"))
+    limits = with_asymptotic_forces(table, scenes_of_table(table, config))
     if missing := [status for status in limits["status"] if status != "ok"]:
         raise InputError(f"{config.path}: {missing[0]} (of the study's space)")
-    return limits, limits[[*EXPANSIONS]].to_numpy().T / at["epsilon_square"]
+    return limits, limits[[*EXPANSION_OF_COLUMN]].to_numpy().T / at["epsilon_square"]

@@ -7,30 +7,35 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.config.study import Study
-from squeezefilm.designs.sequential import Outcome, Pool, Round, SequentialDesign
-from squeezefilm.designs.space import coordinates
+from squeezefilm.designs.sequential import Outcome, PointPool, RefinementRound, SequentialDesign
+from squeezefilm.designs.space import coordinate_function
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.film.positions import columns_in_form
-from squeezefilm.models.data import factors_of
+from squeezefilm.film.positions import columns_in_table_form
+from squeezefilm.models.data import factors_of_table
 from squeezefilm.models.fit_file import fit_from_values
 from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns_known
-from squeezefilm.models.prediction_interval import error_by_region
+from squeezefilm.models.prediction_interval import error_by_region_text
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import solver_settings
-from squeezefilm.studies.space import points_of_table, space_of, table_of_points
-from squeezefilm.studies.study import scenes_in
-from squeezefilm.studies.tasks.fits import fit_values, with_interval
-from squeezefilm.studies.tasks.physics_limits import with_asymptotes
-from squeezefilm.tables import FACTOR_COLUMNS, FORCE_COLUMNS, LIMIT_COLUMNS, ROUND_COLUMNS
+from squeezefilm.studies.space import points_of_table, space_of_study, table_of_points
+from squeezefilm.studies.study import scenes_of_table
+from squeezefilm.studies.tasks.fits import fit_values, with_prediction_interval
+from squeezefilm.studies.tasks.physics_limits import with_asymptotic_forces
+from squeezefilm.tables import (
+    ASYMPTOTIC_FORCE_COLUMNS,
+    FACTOR_COLUMNS,
+    FORCE_COLUMNS,
+    REFINEMENT_ROUND_COLUMNS,
+)
 
-FAIR_SAMPLE_POINTS = 1000
+ERROR_MAP_SAMPLE_POINTS = 1000
 """Points of the fair sample of the space at which nothing is simulated."""
 MAX_UNEXPLAINED_FRACTION = 0.3
 """The expansion maps a model's error if it leaves less than this share of it unexplained."""
 
 
-TABLE_NAMES = ("rounds", "forces", "limits", "where")
+REFINEMENT_TABLE_NAMES = ("rounds", "forces", "limits", "where")
 """What a refinement leaves as tables."""
 
 
@@ -39,27 +44,27 @@ class SimulatedSpace:
 
     def __init__(self, config: Study, *, centred: bool) -> None:
         settings = config.refine
-        space = space_of(config, centred=centred)
+        space = space_of_study(config, centred=centred)
         kinds = [
             space.grid(settings.candidates, distinct=True),
             space.sample(settings.verification, seed=settings.seed),
-            space.sample(FAIR_SAMPLE_POINTS, seed=settings.seed + 1),
+            space.sample(ERROR_MAP_SAMPLE_POINTS, seed=settings.seed + 1),
         ]
         self.config = config
         self.table = table_of_points(np.concatenate(kinds), space)
-        self.scenes = scenes_in(self.table, config)
-        self.known = with_asymptotes(self.table, self.scenes)
+        self.scenes = scenes_of_table(self.table, config)
+        self.known = with_asymptotic_forces(self.table, self.scenes)
         self.solved = pd.DataFrame()
-        self.pool = Pool(
-            factors_of(self.known),
-            coordinates("scene", space)(points_of_table(self.table, space)),
+        self.pool = PointPool(
+            factors_of_table(self.known),
+            coordinate_function("scene", space)(points_of_table(self.table, space)),
             *np.split(np.arange(len(self.table)), np.cumsum([len(each) for each in kinds])[:-1]),
         )
 
     def simulate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and their errors; raises RunError for a scene that has no force."""
         settings = solver_settings(self.config, outputs=())
-        scenes = settings.with_terms_decided(self.scenes[points])
+        scenes = settings.with_auto_terms_decided(self.scenes[points])
         forces = solve(scenes, **settings.solve_arguments).to_frame(pd.Index(points))
         for point, status in forces["status"][forces["status"] != "ok"].items():
             (factors,) = self.rows(self.table, [point], FACTOR_COLUMNS).to_dict("records")
@@ -69,7 +74,7 @@ class SimulatedSpace:
 
     def rows(self, table: pd.DataFrame, points: Any, columns: Sequence[str]) -> pd.DataFrame:
         """Columns of points in one of the tables, in the form that positions have there."""
-        return table.loc[points, columns_in_form(columns, table)].reset_index(drop=True)
+        return table.loc[points, columns_in_table_form(columns, table)].reset_index(drop=True)
 
 
 def refine(
@@ -85,7 +90,7 @@ def refine(
         sample: forces of a validation sample.
         uncertainty: fraction of a force, uncertainty by the scan of a measured profile.
 
-    Returns: tables by their names (TABLE_NAMES), the last fit, and the verdict.
+    Returns: tables by their names (REFINEMENT_TABLE_NAMES), the last fit, and the verdict.
 
     Raises InputError where the section allows too few simulations to begin with, and RunError for a
     scene that has no force.
@@ -97,7 +102,11 @@ def refine(
     except InputError as error:
         print(error)
         reason = about | {"not_supported": str(error)}
-        return dict.fromkeys(TABLE_NAMES, pd.DataFrame(columns=["status"])), reason, reason
+        return (
+            dict.fromkeys(REFINEMENT_TABLE_NAMES, pd.DataFrame(columns=["status"])),
+            reason,
+            reason,
+        )
     bound = config.fit.bounds[-1]
     outcome = SequentialDesign(model, pool, settings, simulated.simulate, bound=bound).run(
         _print_round
@@ -105,12 +114,12 @@ def refine(
     print(f"{outcome.verdict}: {outcome.reason}")
     values = _fit_values(model, simulated, outcome, uncertainty=uncertainty)
     fit = fit_from_values(values, source=f"{config.study}: {model.name}")
-    fit = with_interval(fit, config, sample=sample)
+    fit = with_prediction_interval(fit, config, sample=sample)
     print(fit.statement)
-    last, points = outcome.rounds[-1], outcome.simulated
+    last, points = outcome.rounds[-1], outcome.simulated_indices
     where, source = _error_map(model, simulated, outcome)
-    by_region = error_by_region(
-        pool.factors.take(pool.fair_sample), where["error_n"][-FAIR_SAMPLE_POINTS:]
+    by_region = error_by_region_text(
+        pool.factors.take(pool.fair_sample_indices), where["error_n"][-ERROR_MAP_SAMPLE_POINTS:]
     )
     labels = _purpose_labels(outcome, settings.verification)
     known, forces = (
@@ -120,26 +129,28 @@ def refine(
     tables = {
         "rounds": _rounds_table(outcome, model, simulated),
         "forces": simulated.rows(forces, points, FORCE_COLUMNS),
-        "limits": simulated.rows(known, points, LIMIT_COLUMNS),
+        "limits": simulated.rows(known, points, ASYMPTOTIC_FORCE_COLUMNS),
         "where": where,
     }
     verdict = about | {
         "verdict": outcome.verdict,
         "reason": outcome.reason,
-        "mean_force_n": outcome.scale_n,
-        "theta_of_all_points": outcome.hindsight.tolist(),
+        "mean_force_n": outcome.rms_force_n,
+        "theta_of_all_points": outcome.theta_of_all_points.tolist(),
         "simulations": last.simulations,
         "verification_points": settings.verification,
-        "lack_of_fit_n": _json_number(last.lack_of_fit * outcome.scale_n),
+        "lack_of_fit_n": _json_number(last.lack_of_fit * outcome.rms_force_n),
         "required": settings.model_dump(include={"global_error", "worst_error"}),
-        "estimated": {key: _json_number(getattr(last, key)) for key in ROUND_COLUMNS[1:]},
+        "estimated": {
+            key: _json_number(getattr(last, key)) for key in REFINEMENT_ROUND_COLUMNS[1:]
+        },
         "errors_mapped_by": source,
         "error_by_region_text": by_region,
     }
     return tables, fit.to_dict(), verdict
 
 
-def _print_round(done: Round) -> None:
+def _print_round(done: RefinementRound) -> None:
     print(
         f"round {done.number}: {done.simulations} simulations, global error {done.global_error:.2g}"
         f" ({done.global_lower:.2g} … {done.global_upper:.2g}), worst {done.worst_error:.2g}, "
@@ -166,9 +177,9 @@ def _error_map(
     """
     from scipy.interpolate import RBFInterpolator  # slow to import, and only needed here
 
-    pool, points = space.pool, outcome.simulated
-    rows = np.concatenate([pool.candidates, pool.fair_sample])
-    own = model.evaluate(outcome.hindsight, pool.factors)
+    pool, points = space.pool, outcome.simulated_indices
+    rows = np.concatenate([pool.candidates, pool.fair_sample_indices])
+    own = model.evaluate(outcome.theta_of_all_points, pool.factors)
     seen = own[points] - outcome.force_n
     limit = space.known["limit_n"].to_numpy()
     left = outcome.force_n - limit[points]
@@ -190,7 +201,9 @@ def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpac
     rounds = pd.DataFrame([vars(each) for each in outcome.rounds])
     rounds["design"] = rounds["design"].map(len)
     rounds = rounds.rename(columns={"number": "round", "design": "fitted_points"})
-    worst = space.rows(space.table, rounds.pop("worst_at"), FACTOR_COLUMNS).add_prefix("worst_")
+    worst = space.rows(space.table, rounds.pop("worst_error_index"), FACTOR_COLUMNS).add_prefix(
+        "worst_"
+    )
     theta = pd.DataFrame(rounds.pop("theta").tolist(), columns=list(model.parameter_names))
     estimated, fractions = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_fraction":]
     return pd.concat([estimated, worst, fractions, theta.add_prefix("parameter_")], axis=1)
@@ -202,7 +215,7 @@ def _fit_values(
     """The last fit as its file tells it."""
     last = outcome.rounds[-1]
     # A model without parameters is fitted to nothing, and described on what verifies it.
-    points = last.design if len(last.design) else outcome.simulated
+    points = last.design if len(last.design) else outcome.simulated_indices
     factors, forces = space.pool.factors.take(points), space.solved.loc[points]
     force_n, seed = forces["force_n"].to_numpy(), space.config.refine.seed
     fit = Fit.of(model, factors, force_n, last.theta, method="closed loop", bound=0.0, seed=seed)

@@ -15,15 +15,15 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.film.symmetry import Directions
-from squeezefilm.formatting import percent, result_lines
+from squeezefilm.film.symmetry import DirectionSector
+from squeezefilm.formatting import percent_text, result_lines_text
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
-from squeezefilm.studies.solver_settings import device_of
-from squeezefilm.studies.space import plan
-from squeezefilm.studies.study import scenes_in
+from squeezefilm.studies.solver_settings import device_of_config
+from squeezefilm.studies.space import plan_table
+from squeezefilm.studies.study import scenes_of_table
 from squeezefilm.units import round_up_error
 
 # The spread is a few per cent at most: forces need not be finer than this to show it.
@@ -34,7 +34,7 @@ BOOTSTRAP_DRAWS, BOOTSTRAP_SEED = 50, 1
 COVERAGE_FACTOR = 2.0095752371292392
 
 
-def scan_errors(
+def scan_errors_table(
     scenes: Sequence[Scene],
     smoothed: SmoothedScan,
     *,
@@ -62,7 +62,7 @@ def scan_errors(
     scenes = resolve_auto_terms(scenes, device=device)
     profiles = [
         smoothed.profile,
-        *smoothed.residual_bootstrap(count=BOOTSTRAP_DRAWS, seed=BOOTSTRAP_SEED),
+        *smoothed.bootstrap_profiles(count=BOOTSTRAP_DRAWS, seed=BOOTSTRAP_SEED),
     ]
     profiles += smoothed.profiles_with_misfit
     every = [
@@ -84,7 +84,7 @@ def scan_errors(
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     bias = 2 * smoothed.peak_bias_m / smoothed.peak_m / (1 - Scenes.of(scenes).epsilon)
     neglected = not smoothed.profile.is_complex
-    effect = [quadrature_effect_on_force(scene, smoothed) if neglected else 0.0 for scene in scenes]
+    effect = [quadrature_effect_fraction(scene, smoothed) if neglected else 0.0 for scene in scenes]
     table = pd.DataFrame({"force_n": own["force_n"], "spread_n": spread["force_n"]})
     size_n = table["force_n"].abs()
     noise = COVERAGE_FACTOR * spread + own[spread.columns].abs().mul(bias, axis=0)
@@ -101,7 +101,7 @@ def scan_errors(
     return table.assign(scan_error_fraction=table["scan_error_n"] / size_n)
 
 
-def quadrature_effect_on_force(scene: Scene, smoothed: SmoothedScan) -> float:
+def quadrature_effect_fraction(scene: Scene, smoothed: SmoothedScan) -> float:
     """Estimate of the relative change of a force by the neglected quadrature component.
 
     Small forces go as the sum of both squares under the pad. With more motion a force grows faster,
@@ -115,8 +115,8 @@ def quadrature_effect_on_force(scene: Scene, smoothed: SmoothedScan) -> float:
 
 def scan_errors_of_study(config: Study, smoothed: SmoothedScan) -> pd.DataFrame:
     """Forces of some of a study's scenes, and their errors by the scan."""
-    points, device = _extreme_scenes(config), device_of(config)
-    return points.join(scan_errors(scenes_in(points, config), smoothed, device=device))
+    points, device = _extreme_scenes(config), device_of_config(config)
+    return points.join(scan_errors_table(scenes_of_table(points, config), smoothed, device=device))
 
 
 def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
@@ -133,34 +133,34 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
     forces = scan_errors_of_study(config, smoothed)
     noise, error = (float(forces[f"{part}_fraction"].max()) for part in ("noise", "scan_error"))
-    x_m, y_m, _ = smoothed.profile.surface.net()
-    unsure = _percent_above(float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()))
-    misfit = _percent_above(float(smoothed.mode_misfit(x_m=x_m, y_m=y_m).max()))
-    outliers = smoothed.scan.lines[smoothed.outliers].tolist()
+    x_m, y_m, _ = smoothed.profile.surface.net_points_and_weights()
+    unsure = _rounded_up_percent_text(float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()))
+    misfit = _rounded_up_percent_text(float(smoothed.mode_misfit(x_m=x_m, y_m=y_m).max()))
+    outliers = smoothed.scan.lines[smoothed.outlier_mask].tolist()
     summary = {"largest_force_noise_fraction": noise, "largest_force_error_fraction": error}
-    point_noise = percent(100 * smoothed.noise_m / smoothed.peak_m, sign="")
-    rms = f"{percent(100 * smoothed.quadrature, sign='')} rms including its noise"
+    point_noise = percent_text(100 * smoothed.noise_m / smoothed.peak_m, sign="")
+    rms = f"{percent_text(100 * smoothed.quadrature, sign='')} rms including its noise"
     row = {
-        "measurement noise of a force": f"at most {_percent_above(noise)} (95 %)",
+        "measurement noise of a force": f"at most {_rounded_up_percent_text(noise)} (95 %)",
         "largest amplitude": f"{smoothed.peak_m * 1e6:.4g} µm",
         "noise of a point": f"{point_noise} of the largest amplitude",
         "standard error of the profile": f"at most {unsure} of the largest amplitude",
         "misfit of the profile": f"at most {misfit} of the largest amplitude, too few points",
         "quadrature motion": rms + ", neglected" * (not smoothed.profile.is_complex),
-        "points": len(smoothed.measured_m),
+        "points": len(smoothed.measured_amplitude_m),
         "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
         "degree of the modes": smoothed.fit.degree,
         "notes": [warning.removeprefix("note: ") for warning in smoothed.warnings],
     }
     row |= {} if outliers else {"outliers": ""}
     row |= {} if smoothed.profiles_with_misfit else {"misfit of the profile": ""}
-    text = result_lines(row)
+    text = result_lines_text(row)
     shown = "; ".join(" ".join(line.split()) for line in text.splitlines())
     return forces, profile_table(smoothed).assign(note=shown), summary, text
 
 
-def _percent_above(error: float) -> str:
-    return percent(100 * round_up_error(error), sign="")
+def _rounded_up_percent_text(error: float) -> str:
+    return percent_text(100 * round_up_error(error), sign="")
 
 
 def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
@@ -171,15 +171,15 @@ def profile_table(smoothed: SmoothedScan) -> pd.DataFrame:
     """
     scan, micrometres = smoothed.scan, smoothed.peak_m * 1e6
     points = {
-        "layer": np.where(smoothed.outliers, "outliers", "points"),
+        "layer": np.where(smoothed.outlier_mask, "outliers", "points"),
         "line": scan.lines,
         "x_mm": scan.x_m * 1e3,
         "y_mm": scan.y_m * 1e3,
         "r_mm": np.hypot(scan.x_m, scan.y_m) * 1e3,
-        "amplitude_um": smoothed.measured_m.real * 1e6,
+        "amplitude_um": smoothed.measured_amplitude_m.real * 1e6,
         "residual_um": smoothed.residual_m.real * 1e6,
     }
-    x_m, y_m, _ = smoothed.profile.surface.net()
+    x_m, y_m, _ = smoothed.profile.surface.net_points_and_weights()
     drawn: dict[str, Any] = {"layer": "map", "x_mm": x_m.ravel() * 1e3, "y_mm": y_m.ravel() * 1e3}
     profile = smoothed.profile.amplitude(x_m=x_m, y_m=y_m).real * micrometres
     error = smoothed.standard_error(x_m=x_m, y_m=y_m) * micrometres
@@ -197,9 +197,11 @@ def _extreme_scenes(config: Study) -> pd.DataFrame:
     gaps, amplitude = config.screen.h0_m, config.screen.hv_m.stop
     symmetry, positions = config.symmetry(), config.positions
     pad_positions = symmetry.pad_positions(positions)[1:]
-    if isinstance(symmetry, Directions):
+    if isinstance(symmetry, DirectionSector):
         farthest = max(positions.phi_r_m)
         pad_positions = [position for position in pad_positions if position[0] == farthest]
     rows = [(gaps.start, 0.0, 0.0), (gaps.stop, 0.0, 0.0)]
     rows += [(gaps.start, *position) for position in pad_positions]
-    return plan(pd.DataFrame(rows, columns=["h0_m", *symmetry.position]).assign(hv_m=amplitude))
+    return plan_table(
+        pd.DataFrame(rows, columns=["h0_m", *symmetry.position_columns]).assign(hv_m=amplitude)
+    )

@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from squeezefilm_workflow.paper.figures.vibration import centre_limit_mm
+from squeezefilm_workflow.paper.figures.vibration import max_centre_distance_mm
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.results import Results
 
@@ -20,7 +20,10 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
     """One dot per position; the dashed line is the largest radius on the actuator."""
     plan = results.scenes("four_factor")
     positions = plan.groupby(["phi_r_m", "phi_deg"], as_index=False).size()
-    limit_mm, label = centre_limit_mm(results.config), "pad stays on the actuator at every angle"
+    limit_mm, label = (
+        max_centre_distance_mm(results.config),
+        "pad stays on the actuator at every angle",
+    )
     data = pd.DataFrame(
         {
             "phi_deg": positions["phi_deg"],
@@ -32,13 +35,13 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
     figure, axes = style.subplots()
     axes.axhline(limit_mm, color=style.VERMILLION, linestyle=style.DASHED_LINE, label=label)
     look = {"markersize": 5, "markeredgewidth": 0.5}
-    parts.dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
+    parts.draw_dots(axes, data, x="phi_deg", y="phi_r_mm", fill=style.BLUE, **look)
     for angle in data["phi_deg"][data["phi_r_mm"] == 0]:
         text = "centre: the same at every angle"
         parts.annotate_at(axes, text, (angle, 0), (8, 0), va="center", fontsize=7)
     top = 1.15 * max(data["phi_r_mm"].max(), limit_mm)
     axes.set_ylim(-0.06 * top, top)
-    parts.set_up_positions(axes, data["phi_deg"], margin=1 / 15)
+    parts.set_up_position_axes(axes, data["phi_deg"], margin=1 / 15)
     figure.legend(loc="outside upper center", handlelength=1.8)
     note = f"{len(plan)} simulations at {len(positions)} positions, our assumption."
     style.add_note(figure, note, results.validity_note)
@@ -53,7 +56,7 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
     }
     screen, plan = results.scenes("screen"), results.scenes("four_factor")
     tables = [
-        parts.plane_table(design, layer="design").assign(
+        parts.gap_amplitude_table(design, layer="design").assign(
             form=form,
             point=range(1, len(design) + 1),
             phi_r_mm=(design["phi_r_m"] * 1e3).round(9),
@@ -71,10 +74,10 @@ def fig16(results: Results) -> tuple[Figure, pd.DataFrame]:
             _write_point_numbers(
                 axes, points, x=x, y=y, above=look is _MARKER_STYLES[0], colour=look["color"]
             )
-    parts.set_up_plane(left, screen)
+    parts.set_up_gap_amplitude_axes(left, screen)
     left.set_title("(a)")
     radius = 1e3 * float(plan["phi_r_m"].max())
-    parts.set_up_positions(right, plan["phi_deg"], margin=0.1)
+    parts.set_up_position_axes(right, plan["phi_deg"], margin=0.1)
     for axes, high in ((left, left.get_ylim()[1]), (right, 1.05 * radius)):
         axes.set_ylim(0.0, 1.1 * high)  # room for numbers
     right.set_title("(b)")

@@ -21,7 +21,9 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     """A panel for each scaling of the factors; a triangle of three dots for each search."""
     summary, screen = results.read_json_file("designs/two_factor.json"), results.scenes("screen")
     columns = ("scaling", "search", "pattern", "h0_m", "hv_m", "objective")
-    points = parts.in_micrometres(results.table("designs/two_factor_searches.csv", *columns))
+    points = parts.with_micrometre_columns(
+        results.table("designs/two_factor_searches.csv", *columns)
+    )
     data = points[["scaling", "search", "pattern", "h0_um", "hv_um", "objective"]].sort_values(
         "scaling", key=lambda names: names != summary["scaling"], kind="stable"
     )
@@ -31,7 +33,7 @@ def fig09(results: Results) -> tuple[Figure, pd.DataFrame]:
     panels = figure.subplots(1, len(scalings), squeeze=False, sharey=True)[0]
     for letter, axes, scaling in zip("abcdefgh", panels, scalings, strict=False):
         _draw_design_triangles(axes, data[data["scaling"] == scaling])
-        parts.set_up_plane(axes, screen)
+        parts.set_up_gap_amplitude_axes(axes, screen)
         axes.set_title(f"({letter}) " * wide + _TITLE_OF_SCALING[scaling])
         axes.label_outer()
     note = f"{summary['searches']} searches in each unit of the distances in criterion (12)."
@@ -85,7 +87,7 @@ def _draw_pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame
     screen, summary = results.scenes("screen"), results.read_json_file("designs/two_factor.json")
     number, patterns = summary["searches"], summary["scalings"][summary["scaling"]]
     figure, axes = style.subplots()
-    parts.set_up_plane(axes, screen, headroom=0.3)
+    parts.set_up_gap_amplitude_axes(axes, screen, headroom=0.3)
     if order >= len(patterns):
         other_patterns = ", ".join(
             f"{pattern_row['pattern']} ({pattern_row['count']})" for pattern_row in patterns
@@ -104,13 +106,13 @@ def _draw_pattern(results: Results, *, order: int) -> tuple[Figure, pd.DataFrame
         h0_m = np.array([point["h0_m"], *np.linspace(lowest, highest, 11)])
         line = pd.DataFrame({"layer": "ridge", "epsilon": epsilon, "h0_m": h0_m})
         line.loc[0, "layer"] = "design"
-        layers.append(parts.in_micrometres(line.assign(hv_m=epsilon * h0_m)))
+        layers.append(parts.with_micrometre_columns(line.assign(hv_m=epsilon * h0_m)))
         ridge = layers[-1][1:]
         look = {"color": "0.55", "linestyle": style.DASHED_LINE, "linewidth": 0.9}
         axes.plot(ridge["h0_um"], ridge["hv_um"], **look)
     data = pd.concat(layers, ignore_index=True)[["layer", "epsilon", "h0_um", "hv_um"]]
     design = style.layer_rows(data, "design")
-    parts.dots(axes, design, fill="black", markersize=6, zorder=3)
+    parts.draw_dots(axes, design, fill="black", markersize=6, zorder=3)
     labels = [
         f"({row.h0_um:.3g}, {row.hv_um:.3g}) µm\n$h_v/h_0$ = {row.epsilon:.3f}"
         for row in design.itertuples()

@@ -9,18 +9,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from squeezefilm_workflow.reporting.figures import parts, style
-from squeezefilm_workflow.reporting.figures.models import model_and_points
-from squeezefilm_workflow.reporting.notes import simulations_note
+from squeezefilm_workflow.reporting.figures.models import model_and_points_figure
+from squeezefilm_workflow.reporting.notes import simulation_error_note
 from squeezefilm_workflow.reporting.results import Results
 
 
 def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The screen: one dot per simulation."""
     screen = results.scenes("screen")
-    data = parts.plane_table(screen, layer="screen")
+    data = parts.gap_amplitude_table(screen, layer="screen")
     figure, axes = style.subplots()
-    parts.dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
-    parts.set_up_plane(axes, screen)
+    parts.draw_dots(axes, data, fill=style.BLUE, markersize=4, markeredgewidth=0.5)
+    parts.set_up_gap_amplitude_axes(axes, screen)
     gaps, amplitudes = screen["h0_m"].nunique(), screen["hv_m"].nunique()
     note = f"{len(screen)} simulations: {gaps} gaps × {amplitudes} amplitudes."
     style.add_note(figure, note, results.validity_note)
@@ -33,7 +33,7 @@ def fig13(results: Results) -> tuple[Figure, pd.DataFrame]:
     errors = parts.error_note(results, "two_factor_design", "screen")
     note = f"Fit on {fit.points} points; on {errors}."
     plans = {"control": "screen", "design": "two_factor_design"}
-    return model_and_points(results, fit, note, **plans)
+    return model_and_points_figure(results, fit, note, **plans)
 
 
 def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -57,7 +57,7 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
     )
     notes = [f"{titles[fit]}, on {parts.error_note(results, fit, 'screen')}." for fit in titles]
     style.add_note(
-        figure, *notes, simulations_note(results.forces("screen")), results.validity_note
+        figure, *notes, simulation_error_note(results.forces("screen")), results.validity_note
     )
     by_design, by_all = tables.values()
     return figure, by_design.assign(
@@ -80,9 +80,13 @@ def _draw_errors(axes: Axes, data: pd.DataFrame) -> None:
         axes.plot(line[x], line[y], color=colour, label=f"{gap:g}", zorder=2)
     look: dict[str, Any] = {"markersize": 3.6, "markeredgewidth": 0.6, "clip_on": True, "zorder": 3}
     for inside, fill in ((True, "white"), (False, "black")):
-        parts.dots(axes, data[data["in_band"] == inside], x=x, y=y, fill=fill, **look)
+        parts.draw_dots(axes, data[data["in_band"] == inside], x=x, y=y, fill=fill, **look)
     reach = max(1.25 * band, 1.1 * data[y].abs().max())
-    axes.set(ylim=(-reach, reach), xlabel=parts.PLANE_LABELS["ylabel"], ylabel="relative error (%)")
+    axes.set(
+        ylim=(-reach, reach),
+        xlabel=parts.GAP_AMPLITUDE_LABELS["ylabel"],
+        ylabel="relative error (%)",
+    )
     look = {"transform": axes.get_yaxis_transform(), "ha": "right", "va": "bottom"}
     for edge, sign in ((band, "+"), (-band, "−")):
         axes.text(0.99, edge, f"{sign}{band:g} % ", fontsize=7, **look)

@@ -18,8 +18,8 @@ DECIMALS_OF_COLUMN = {"radius_mm": 9, "x_mm": 9, "y_mm": 9, "amplitude_ratio": 1
 def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The profile seen from above; layers surface, centre_limit (dashed) and pad."""
     config = results.config
-    pad, limit_mm = config.read_pad(), centre_limit_mm(config)
-    edge_mm = 1e3 * pad.edge_m()
+    pad, limit_mm = config.read_pad(), max_centre_distance_mm(config)
+    edge_mm = 1e3 * pad.edge_points_m()
     outline = pd.DataFrame(np.vstack([edge_mm, edge_mm[:1]]), columns=["x_mm", "y_mm"])
     circle = _polar_table(np.array([limit_mm]), np.linspace(0, 360, 121))
     surface = profile_table(config, radii=41, angles=61)
@@ -29,7 +29,7 @@ def fig05(results: Results) -> tuple[Figure, pd.DataFrame]:
     x, y, amplitude = _polar_grid(surface)
     levels = np.linspace(-1, 1, 41)
     levels = levels[(levels >= amplitude.min() - 0.05) & (levels <= amplitude.max() + 0.01)]
-    filled = axes.contourf(x, y, amplitude, levels=levels, cmap=style.SEQUENTIAL)
+    filled = axes.contourf(x, y, amplitude, levels=levels, cmap=style.SEQUENTIAL_COLOURMAP)
     if amplitude.min() < 0 < amplitude.max():
         node = axes.contour(x, y, amplitude, levels=[0], colors="white", linewidths=0.7)
         axes.clabel(node, fmt={0: "$h_a = 0$"}, fontsize=6, manual=[(0, float(y.max()))])
@@ -64,14 +64,14 @@ def fig06(results: Results) -> tuple[Figure, pd.DataFrame]:
         labels=("$x$ (mm)", "$y$ (mm)", "local amplitude $h_a/h_v$ (–)"),
         azimuth_deg=-60,
     )
-    parts.mesh(axes, *_polar_grid(data))
+    parts.draw_mesh(axes, *_polar_grid(data))
     return figure, data.assign(layer="surface").round(DECIMALS_OF_COLUMN)
 
 
 def _polar_grid(surface: pd.DataFrame) -> list[np.ndarray]:
     """x, y and the amplitude over radius (rows) and angle."""
     return [
-        parts.grid_of_table(surface, name, x="angle_deg", y="radius_mm")[2]
+        parts.grid_arrays_of_table(surface, name, x="angle_deg", y="radius_mm")[2]
         for name in ("x_mm", "y_mm", "amplitude_ratio")
     ]
 
@@ -93,7 +93,7 @@ def _polar_table(radius_mm: np.ndarray, angle_deg: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame({"radius_mm": radius, "angle_deg": angle, "x_mm": x_mm, "y_mm": y_mm})
 
 
-def centre_limit_mm(config: Study) -> float:
+def max_centre_distance_mm(config: Study) -> float:
     """Largest distance of the pad's centre at which the pad is on the disc at every angle."""
-    free_m = config.actuator.surface_radius_m - config.read_pad().reach_m
+    free_m = config.actuator.surface_radius_m - config.read_pad().max_radius_m
     return round(1e3 * float(free_m), 9)

@@ -12,16 +12,16 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.film.positions import columns_in_form, position_form
+from squeezefilm.film.positions import columns_in_table_form, find_position_columns
 from squeezefilm.models.export import source_code
 from squeezefilm.models.fit_file import FittedModel, fit_from_values, read_fit
 from squeezefilm.tables import FACTOR_COLUMNS, read_json
-from squeezefilm_workflow.reporting.notes import inertia
-from squeezefilm_workflow.reporting.pages import render
+from squeezefilm_workflow.reporting.notes import inertia_page_values
+from squeezefilm_workflow.reporting.pages import render_template
 from squeezefilm_workflow.reporting.results import Results
 
-FILM_FACTORS = ["h0_m", "hv_m"]
-KIND_OF_FIT_SUFFIX = {"_distinct": "distinct points", "_design": "design points"}
+FILM_FACTOR_COLUMNS = ["h0_m", "hv_m"]
+LABEL_OF_FIT_SUFFIX = {"_distinct": "distinct points", "_design": "design points"}
 """Points that a model is fitted to, by the end of their plan's name."""
 
 
@@ -66,10 +66,12 @@ def explorer_page(
         "simulations": [
             [index, *row]
             for index, table in enumerate(forces.values())
-            for row in table[[*columns_in_form(FACTOR_COLUMNS, table), "force_n"]].values.tolist()
+            for row in table[
+                [*columns_in_table_form(FACTOR_COLUMNS, table), "force_n"]
+            ].values.tolist()
         ],
-        "position": position_form(next(iter(forces.values()))),
-        "inertia": inertia(config),
+        "position": find_position_columns(next(iter(forces.values()))),
+        "inertia": inertia_page_values(config),
         "modulation": _modulation_response(results),
         "start": config.extrapolation.model_dump(),
     }
@@ -77,7 +79,7 @@ def explorer_page(
     shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
     code = "\n".join(_model_javascript(name, fit) for name, (fit, _) in models.items())
     texts = {"library": drawing_library, "models": code, "data": shown}
-    return render("explorer.html", study=config.study, **texts)
+    return render_template("explorer.html", study=config.study, **texts)
 
 
 def _recommended_models(results: Results) -> dict[str, tuple[FittedModel, str]]:
@@ -92,13 +94,13 @@ def _recommended_models(results: Results) -> dict[str, tuple[FittedModel, str]]:
     for space, model in table[["space", "model"]].drop_duplicates()[::-1].to_numpy():
         plan = "screen" if space == "two_factor" else space
         name = plan if model == space else f"{model} on {space}"
-        models[name] = read_fit(results.candidate(space, model)), plan
+        models[name] = read_fit(results.candidate_fit_file(space, model)), plan
     return models
 
 
 def _fit_for_explorer(name: str, fit: FittedModel, plan: str, *, best: bool) -> dict[str, Any]:
     model = fit.force_model
-    kind = next((kind for end, kind in KIND_OF_FIT_SUFFIX.items() if plan.endswith(end)), "points")
+    kind = next((kind for end, kind in LABEL_OF_FIT_SUFFIX.items() if plan.endswith(end)), "points")
     return {
         "name": name,
         "label": f"{fit.model.replace('_factor', ' factors')}, "
@@ -107,9 +109,13 @@ def _fit_for_explorer(name: str, fit: FittedModel, plan: str, *, best: bool) -> 
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
-        "interval": None if fit.interval is None else fit.interval.model_dump(mode="json"),
+        "interval": None
+        if fit.prediction_interval is None
+        else fit.prediction_interval.model_dump(mode="json"),
         "statement": fit.statement,
-        "gaps_m": fit.ranges["h0_m"] if fit.interval is None else fit.interval.ranges["h0_m"],
+        "gaps_m": fit.ranges["h0_m"]
+        if fit.prediction_interval is None
+        else fit.prediction_interval.ranges["h0_m"],
     }
 
 
@@ -125,16 +131,18 @@ def _modulation_response(results: Results) -> dict[str, Any]:
     From the two tables of ``squeezefilm response`` for the screen. The page shows, at a point, what
     lies between the films around it.
     """
-    response = results.table("simulations/screen/response.csv", *FILM_FACTORS, "status")
-    gains = results.table("simulations/screen/gains.csv", *FILM_FACTORS, "frequency_hz", "gain")
-    by_film: dict[Any, pd.DataFrame] = dict(iter(gains.groupby(FILM_FACTORS)))
+    response = results.table("simulations/screen/response.csv", *FILM_FACTOR_COLUMNS, "status")
+    gains = results.table(
+        "simulations/screen/gains.csv", *FILM_FACTOR_COLUMNS, "frequency_hz", "gain"
+    )
+    by_film: dict[Any, pd.DataFrame] = dict(iter(gains.groupby(FILM_FACTOR_COLUMNS)))
     films = [
-        {name: row[name] for name in FILM_FACTORS}
+        {name: row[name] for name in FILM_FACTOR_COLUMNS}
         | _film_response(row, by_film[row["h0_m"], row["hv_m"]])
         for row in response.to_dict(orient="records")
     ]
     return {
-        **{name: sorted(set(response[name])) for name in FILM_FACTORS},
+        **{name: sorted(set(response[name])) for name in FILM_FACTOR_COLUMNS},
         "frequency_hz": sorted(set(gains["frequency_hz"])),
         "films": films,
     }

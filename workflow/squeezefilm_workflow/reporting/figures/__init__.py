@@ -26,9 +26,9 @@ from squeezefilm_workflow.reporting.figures.measurements import measurements
 from squeezefilm_workflow.reporting.figures.models import (
     design,
     fitted_model,
-    model_errors,
-    refined,
-    sensitivity,
+    model_errors_figure,
+    refinement_figure,
+    sensitivity_figure,
 )
 from squeezefilm_workflow.reporting.figures.overview import overview
 from squeezefilm_workflow.reporting.figures.verification import published, stability, work_precision
@@ -47,12 +47,12 @@ FIGURES |= {
     f"numerics/{function.__name__}": function for function in (work_precision, stability, published)
 }
 for _space in ("two_factor", "four_factor"):
-    FIGURES[f"models/{_space}_errors"] = partial(model_errors, space=_space)
-    FIGURES[f"designs/optimal_{_space}_sensitivity"] = partial(sensitivity, space=_space)
-    FIGURES[f"refine/{_space}_figure"] = partial(refined, space=_space)
+    FIGURES[f"models/{_space}_errors"] = partial(model_errors_figure, space=_space)
+    FIGURES[f"designs/optimal_{_space}_sensitivity"] = partial(sensitivity_figure, space=_space)
+    FIGURES[f"refine/{_space}_figure"] = partial(refinement_figure, space=_space)
 
 
-def save(function: DrawFunction, results: Results, paths: Sequence[Path]) -> None:
+def draw_and_save(function: DrawFunction, results: Results, paths: Sequence[Path]) -> None:
     """Draw a figure and save it under each name.
 
     ``.csv`` is the table that it draws, ``.plain.png`` a small picture without texts, for the
@@ -61,12 +61,12 @@ def save(function: DrawFunction, results: Results, paths: Sequence[Path]) -> Non
     Raises InputError naming the result that is missing or lacks what it must have, or a table that
     the figure has not.
     """
-    plain = [path for path in paths if path.name.endswith(style.PLAIN_SUFFIX)]
+    plain = [path for path in paths if path.name.endswith(style.PLAIN_PICTURE_SUFFIX)]
     tables = [path for path in paths if path.suffix == ".csv"]
     own = results.config.figures.style
     with style.figure_style(file=results.config.path.parent / own if own else None):
         figure, table = _drawn_figure(function, results)
-        style.save(figure, [path for path in paths if path not in (*plain, *tables)])
+        style.save_figure(figure, [path for path in paths if path not in (*plain, *tables)])
     for path in tables:
         if table is None:
             raise InputError(f"{path}: a table is drawn by the paper's numbered figures alone")

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from squeezefilm.columns import COLUMNS, error_column
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import CARTESIAN, POLAR, cartesian
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS, cartesian_from_polar
 from squeezefilm.film.validity import OK
 from squeezefilm_workflow.reporting.figures import parts, style
 
@@ -29,18 +29,19 @@ class DrawnResult:
 
     Attributes:
         bounds: columns of the lower and the upper bound of its modelling error.
-        other_factors: columns that are drawn in panels below, where the table has values of them.
+        lower_panel_columns: columns that are drawn in panels below, where the table has values of
+            them.
     """
 
     column: str
     errors: tuple[str, ...]
     factors: tuple[str, ...]
     bounds: tuple[str, ...] = ()
-    other_factors: tuple[str, ...] = ()
+    lower_panel_columns: tuple[str, ...] = ()
 
 
-POSITION_COLUMNS = (*CARTESIAN, *POLAR)
-RESULT_OF_COLUMN = {
+POSITION_COLUMNS = (*CARTESIAN_COLUMNS, *POLAR_COLUMNS)
+DRAWN_RESULT_OF_COLUMN = {
     "load_n": DrawnResult(
         "h0_m",
         ("h0_error_m", "h0_measurement_noise_m"),
@@ -58,20 +59,22 @@ RESULT_OF_COLUMN = {
 """What is drawn of a table that has a column: of levitations, amplitudes, forces."""
 
 
-def curve(table: pd.DataFrame) -> Figure:
+def curve_figure(table: pd.DataFrame) -> Figure:
     """Return a picture of a table's result.
 
     Args:
-        table: factors, a result of RESULT_OF_COLUMN with its errors, and ``validity`` and
+        table: factors, a result of DRAWN_RESULT_OF_COLUMN with its errors, and ``validity`` and
             ``study``, if any.
 
     Raises InputError for a table without such a result, for a single point, and for more than
     MAX_CURVE_LINES lines.
     """
-    result = next((RESULT_OF_COLUMN[name] for name in RESULT_OF_COLUMN if name in table), None)
+    result = next(
+        (DRAWN_RESULT_OF_COLUMN[name] for name in DRAWN_RESULT_OF_COLUMN if name in table), None
+    )
     if result is None or result.column not in table:
         raise InputError(
-            f"there is nothing to draw; a table has one of {', '.join(RESULT_OF_COLUMN)}"
+            f"there is nothing to draw; a table has one of {', '.join(DRAWN_RESULT_OF_COLUMN)}"
         )
     factors = [name for name in (*result.factors, *POSITION_COLUMNS) if name in table]
     counts = {name: table[name].nunique() for name in factors}
@@ -80,10 +83,10 @@ def curve(table: pd.DataFrame) -> Figure:
     error = known[[name for name in result.errors if name in table]].sum(axis=1)
     known = known.assign(error=error, within=known.get("validity", OK) == OK)
     at_one = [name for name in factors if counts[name] == 1]
-    title = [_equation_text(name, known[name].iloc[0]) for name in at_one if len(known)]
+    title = [_factor_value_text(name, known[name].iloc[0]) for name in at_one if len(known)]
     title += [] if {*factors} & {*POSITION_COLUMNS} else ["pad centred"]
     title += [f"study {name}" for name in table.get("study", pd.Series(dtype=str)).unique()]
-    if varied in ([*CARTESIAN], [*POLAR]):
+    if varied in ([*CARTESIAN_COLUMNS], [*POLAR_COLUMNS]):
         figure, *notes = _draw_map(known, result, varied)
     else:
         figure, *notes = _draw_lines(table, known, result, counts, varied)
@@ -96,7 +99,7 @@ def curve(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def _equation_text(name: str, value: float) -> str:
+def _factor_value_text(name: str, value: float) -> str:
     column = COLUMNS[name]
     return f"{column.title.split()[-1]} = {column.in_shown_unit(value):.4g} {column.shown_unit}"
 
@@ -122,7 +125,9 @@ def _draw_lines(
         raise InputError(
             f"{what}: a curve has 2 points or more, and at most {MAX_CURVE_LINES} lines"
         )
-    beside = [name for name in result.other_factors if name in known and known[name].notna().any()]
+    beside = [
+        name for name in result.lower_panel_columns if name in known and known[name].notna().any()
+    ]
     panels = [result.column, *beside]
     figure, all_axes = style.subplots(
         len(panels), 1, height_in=3.0 + 1.6 * len(beside), sharex=True, squeeze=False
@@ -132,13 +137,13 @@ def _draw_lines(
         axes.grid(True)
     axes.set_xlabel(_axis_label(along))
     top = all_axes[0, 0]
-    colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, len(lines)))
+    colours = mpl.colormaps[style.SEQUENTIAL_COLOURMAP](np.linspace(0, 0.85, len(lines)))
     bounds = [name for name in result.bounds if name in known]
     for (_, rows), colour, marker in zip(lines, colours, cycle(MARKERS)):
         rows = rows.sort_values(along)
         at = COLUMNS[along].in_shown_unit(rows[along])
         look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 3}
-        label = ", ".join(_equation_text(name, rows[name].iloc[0]) for name in others)
+        label = ", ".join(_factor_value_text(name, rows[name].iloc[0]) for name in others)
         for axes, name in zip(all_axes[:, 0], panels, strict=True):
             column = COLUMNS[name]
             error = rows["error"] if name == result.column else rows[error_column(name)]
@@ -160,10 +165,10 @@ def _draw_lines(
         top.plot(missing, np.zeros(len(missing)), "x", color="0.3", **below)
     if others:
         figure.legend(loc="outside upper center", ncols=3)
-    return figure, _bars_text(known, result) + (" Bands: modelling error." if bounds else "")
+    return figure, _error_bars_text(known, result) + (" Bands: modelling error." if bounds else "")
 
 
-def _bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
+def _error_bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
     """Describe the bars of the result, and their largest length."""
     predicted = any("95" in name for name in result.errors if name in known)
     scanned = any(known[name].any() for name in result.errors if "noise" in name and name in known)
@@ -176,7 +181,7 @@ def _bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
 def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> tuple[Figure, str]:
     """The result over the pad's position."""
     at = {name: known[name] for name in position}
-    x_m, y_m = (at if position == [*CARTESIAN] else cartesian(**at)).values()
+    x_m, y_m = (at if position == [*CARTESIAN_COLUMNS] else cartesian_from_polar(**at)).values()
     column = COLUMNS[result.column]
     dots = pd.DataFrame(
         {"x": 1e3 * x_m, "y": 1e3 * y_m, "value": column.in_shown_unit(known[result.column])}
@@ -188,7 +193,9 @@ def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> 
     except (ValueError, RuntimeError):
         raise InputError("the positions lie on a line, or are fewer than three: no map") from None
     for within, fill in ((True, "black"), (False, "white")):
-        parts.dots(axes, dots[dots["within"] == within], fill=fill, x="x", y="y", markersize=2.6)
+        parts.draw_dots(
+            axes, dots[dots["within"] == within], fill=fill, x="x", y="y", markersize=2.6
+        )
     axes.set(aspect="equal", xlabel=_axis_label("x_m"), ylabel=_axis_label("y_m"))
     figure.colorbar(
         drawn, ax=axes, shrink=0.8, pad=0.02, format="%g", label=_axis_label(result.column)

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from squeezefilm.film.positions import position_form
-from squeezefilm.formatting import label_of
+from squeezefilm.film.positions import find_position_columns
+from squeezefilm.formatting import column_label
 from squeezefilm_workflow.reporting.figures import parts, style
-from squeezefilm_workflow.reporting.notes import percent, reynolds_limit, signed
+from squeezefilm_workflow.reporting.notes import percent_text, reynolds_validity_limit, signed_text
 from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
 
 COLOUR_OF_EFFECT = {
@@ -22,14 +22,14 @@ COLOUR_OF_EFFECT = {
     "edge_loss": style.GREEN,
     "total": style.GREY,
 }
-MAP_EDGE_FRACTION = 0.04
+CONTOUR_MARGIN_FRACTION = 0.04
 """Contours nearer to the least or the largest value, as a share of the range, have no room."""
 LABEL_HEIGHT_FRACTION = 0.065
 """Height of a label, as a share of the axes."""
 LINE_COLOURS = (style.BLUE, style.GREEN, style.VERMILLION, style.PURPLE)
-MAX_RESPONSE_ERROR = 0.03
+MAX_DRAWN_GAIN_ERROR = 0.03
 """Of a gain that is drawn."""
-MAX_VALID_REYNOLDS = reynolds_limit("inertia neglected").not_above
+MAX_VALID_REYNOLDS = reynolds_validity_limit("inertia neglected").not_applicable_above
 
 
 def error_budget(results: Results) -> Figure:
@@ -44,7 +44,9 @@ def error_budget(results: Results) -> Figure:
         look: dict[str, Any] = {"colors": colour, "linestyles": "solid"}
         look["levels"] = _contour_levels(screen[f"{name}_percent"])
         title = f"({letter}) {_panel_title(screen['included_effects'], name)} (%)"
-        _draw_map(axes, screen, f"{name}_percent", title, form=partial(signed, digits=3), **look)
+        _draw_map(
+            axes, screen, f"{name}_percent", title, form=partial(signed_text, digits=3), **look
+        )
         axes.title.set_fontsize(7)
     shown = _draw_effects(last, along)
     first = "Differences of solved forces; total: middle of the interval."
@@ -60,14 +62,14 @@ def _panel_title(included_effects: pd.Series, name: str) -> str:
         return "all neglected effects"
     films, number = len(included_effects), sum(name in row for row in included_effects)
     state = {0: "neglected", films: "included"}.get(number, f"included in {number} of {films}")
-    return f"{label_of(name)}, {state}"
+    return f"{column_label(name)}, {state}"
 
 
 def _budgets_of_plan(results: Results, plan: str) -> pd.DataFrame:
     table = results.budget(plan)
-    lengths = [name for name in position_form(table) if name.endswith("_m")]
-    return parts.in_micrometres(table).assign(
-        **{f"{name[:-1]}mm": parts.micrometres(table[name]) / 1e3 for name in lengths},
+    lengths = [name for name in find_position_columns(table) if name.endswith("_m")]
+    return parts.with_micrometre_columns(table).assign(
+        **{f"{name[:-1]}mm": parts.metres_to_micrometres(table[name]) / 1e3 for name in lengths},
         total_percent=table[MODELLING_ERROR_COLUMNS].mean(axis="columns", skipna=False),
     )
 
@@ -75,7 +77,7 @@ def _budgets_of_plan(results: Results, plan: str) -> pd.DataFrame:
 def _contour_levels(values: pd.Series) -> list[float]:
     """Levels of contours with room for them between the least and the largest value."""
     low, high = values.min(), values.max()
-    edge = MAP_EDGE_FRACTION * (high - low)
+    edge = CONTOUR_MARGIN_FRACTION * (high - low)
     ticks = MaxNLocator(nbins=8).tick_values(low, high) if len(values.dropna()) else []
     return [level for level in ticks if low + edge <= level <= high - edge] or [low]
 
@@ -105,7 +107,7 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
             values = along[f"{name}_percent"]
             axes.plot(along[place], values, color=colour, **look)
             if look is full and np.isfinite(values.iloc[-1]):
-                ends.append((float(values.iloc[-1]), label_of(name), colour))
+                ends.append((float(values.iloc[-1]), column_label(name), colour))
     # From the lowest up and none over another.
     low, high = axes.get_ylim()
     last = -np.inf
@@ -134,10 +136,12 @@ def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
     table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "corner_hz")
     table["instantaneous_percent"] = 100 * table["instantaneous_fraction"]
-    maps = parts.in_micrometres(table)
+    maps = parts.with_micrometre_columns(table)
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
-    lines = parts.in_micrometres(results.table("simulations/screen/gains.csv", *columns))
-    lines = lines[(lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MAX_RESPONSE_ERROR)]
+    lines = parts.with_micrometre_columns(results.table("simulations/screen/gains.csv", *columns))
+    lines = lines[
+        (lines["hv_um"] == lines["hv_um"].max()) & (lines["error"] <= MAX_DRAWN_GAIN_ERROR)
+    ]
     figure, ((corner, prompt), (gain, phase)) = style.subplots(2, 2, wide=True, height_in=4.6)
     _draw_map(corner, maps, "corner_hz", "(a) corner frequency (Hz)")
     _draw_map(prompt, maps, "instantaneous_percent", "(b) fraction present at start (%)")
@@ -160,8 +164,8 @@ def _draw_map(
     axes: Axes, maps: pd.DataFrame, name: str, title: str, *, form: Any = "%.4g", **look: Any
 ) -> None:
     """Contour lines of a quantity of the films; numbers where lines would have no room."""
-    grid = parts.grid_of_table(maps, name)
-    axes.set(**parts.PLANE_LABELS, title=title)
+    grid = parts.grid_arrays_of_table(maps, name)
+    axes.set(**parts.GAP_AMPLITUDE_LABELS, title=title)
     parts.limit_axes_to_grid(axes, grid)
     known = maps[maps[name].notna()]
     if known.empty:
@@ -199,8 +203,10 @@ def _draw_lines(axes: Axes, lines: pd.DataFrame, name: str, title: str) -> None:
 def levitation(results: Results) -> Figure:
     """Gap and stiffness over the load, for each amplitude of the table; hollow beyond Re 10."""
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
-    screen = parts.in_micrometres(results.scenes("screen"))
-    data = parts.in_micrometres(table).assign(stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6)
+    screen = parts.with_micrometre_columns(results.scenes("screen"))
+    data = parts.with_micrometre_columns(table).assign(
+        stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6
+    )
     figure, (gap, stiffness) = style.subplots(1, 2, wide=True, height_in=2.6)
     gap.axhspan(screen["h0_um"].min(), screen["h0_um"].max(), color="0.92", zorder=0)
     amplitudes = sorted(data["hv_um"].unique())
@@ -227,7 +233,7 @@ def levitation(results: Results) -> Figure:
     note = f"A gap is given for {len(known)} of {len(table)} pairs of load and amplitude"
     ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
     if (shares := (ends / known["h0_m"]).dropna()).size:
-        note += f"; modelling error up to {percent(float(shares.max()))} of a gap"
+        note += f"; modelling error up to {percent_text(float(shares.max()))} of a gap"
     marks = "Dotted: contact, beyond the last load; grey: gaps of the study"
     if len(amplitudes) < (levels := screen["hv_um"].nunique()):
         marks = f"{len(amplitudes)} of the screen's {levels} amplitudes. {marks}"

@@ -11,12 +11,12 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
 
-from squeezefilm.models.data import factors_of
+from squeezefilm.models.data import factors_of_table
 from squeezefilm_workflow.reporting.figures import parts, style
-from squeezefilm_workflow.reporting.notes import percent, signed, simulations_note
+from squeezefilm_workflow.reporting.notes import percent_text, signed_text, simulation_error_note
 from squeezefilm_workflow.reporting.results import Results
 
-LOGARITHMIC_SCALE_RATIO = 10.0
+MIN_LOG_SCALE_RATIO = 10.0
 """Forces that span more than this are drawn on a logarithmic scale."""
 MAX_POINTS_WITH_MARKERS = 100
 """Simulations of a map, at most, that are drawn as dots."""
@@ -24,25 +24,25 @@ MARKER_OF_STATUS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
 """Of positions: whether a model has an amplitude there, and whether it is validated."""
 VIBRATION_PROFILE_COLUMNS = ("layer", "amplitude_um", "residual_um", "noise_um")
 """Of a table of a profile, among others."""
-MAP_LINES = 101
+MAP_POINTS_PER_AXIS = 101
 """Of the grid along each side on which a vibration is drawn."""
 
 
 def error_map(results: Results) -> Figure:
     """Relative error of the model fitted to the design, over the whole space."""
-    design = parts.plane_table(results.forces("two_factor_design"), layer="design")
+    design = parts.gap_amplitude_table(results.forces("two_factor_design"), layer="design")
     figure, axes = style.subplots(height_in=3.2)
-    filled, lines = parts.error_contours(
+    filled, lines = parts.draw_error_contours(
         axes, results, bins=14, ticks=(1, 2, 3, 5), colors="0.25", linewidths=0.5
     )
-    parts.label_contours(axes, lines, partial(signed, digits=3))
+    parts.label_contours(axes, lines, partial(signed_text, digits=3))
     look: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
-    parts.dots(axes, design, fill="black", markersize=6, label="design point", **look)
-    axes.set(**parts.PLANE_LABELS)
+    parts.draw_dots(axes, design, fill="black", markersize=6, label="design point", **look)
+    axes.set(**parts.GAP_AMPLITUDE_LABELS)
     figure.colorbar(filled, ax=axes, pad=0.02, label="relative error (%)")
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.4)
     simulated = results.forces("error_map")
-    notes = parts.interpolation_note(simulated), simulations_note(simulated)
+    notes = parts.interpolation_note(simulated), simulation_error_note(simulated)
     note = parts.error_note(results, "two_factor_design", "error_map")
     style.add_note(figure, f"Fit on the design; on {note}.", *notes, results.validity_note)
     return figure
@@ -50,11 +50,11 @@ def error_map(results: Results) -> Figure:
 
 def forces(results: Results) -> Figure:
     """Mean force with the pad centred over gap and amplitude; the target force is a thick line."""
-    rows = parts.plane_table(results.forces("error_map"), layer="map")
+    rows = parts.gap_amplitude_table(results.forces("error_map"), layer="map")
     target_n = results.config.extrapolation.force_n
-    grid = parts.grid_of_table(rows, "force_n")
+    grid = parts.grid_arrays_of_table(rows, "force_n")
     low, high = float(np.nanmin(grid[2])), float(np.nanmax(grid[2]))
-    wide = low > 0 and high > LOGARITHMIC_SCALE_RATIO * low
+    wide = low > 0 and high > MIN_LOG_SCALE_RATIO * low
     ends = (low / 3, 3 * high) if wide else (low, high)
     ticks = LogLocator(subs=(1, 2, 5)) if wide else MaxNLocator(nbins=12)
     levels = np.asarray(ticks.tick_values(*ends))
@@ -63,19 +63,19 @@ def forces(results: Results) -> Figure:
     figure, axes = style.subplots(height_in=3.2)
     figure.set_layout_engine("constrained", w_pad=0.08)  # markers stand over the rim
     norm = "log" if wide else None
-    drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL, norm=norm)
+    drawn = axes.contourf(*grid, levels=levels, cmap=style.SEQUENTIAL_COLOURMAP, norm=norm)
     axes.contour(*grid, levels=levels, colors="0.3", linewidths=0.3)
     if len(rows) <= MAX_POINTS_WITH_MARKERS:
-        parts.dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
+        parts.draw_dots(axes, rows, fill="white", markersize=2.6, markeredgecolor="0.4")
     parts.limit_axes_to_grid(axes, grid)
-    axes.set(**parts.PLANE_LABELS)
+    axes.set(**parts.GAP_AMPLITUDE_LABELS)
     bar = figure.colorbar(drawn, ax=axes, pad=0.02, format="%g", label="mean force (N)")
     bar.ax.minorticks_off()
     if low < target_n < high:
         axes.contour(*grid, levels=[target_n], colors="black", linewidths=2.0)
         axes.plot([], [], "k", linewidth=2.0, label=f"target force, {target_n:g} N")
         figure.legend(loc="outside upper center")
-    notes = parts.interpolation_note(rows), simulations_note(results.forces("error_map"))
+    notes = parts.interpolation_note(rows), simulation_error_note(results.forces("error_map"))
     style.add_note(figure, *notes, results.validity_note)
     return figure
 
@@ -92,27 +92,27 @@ def amplitudes(results: Results) -> Figure:
         parts.write_not_known(axes)
         return figure
     table = table[table["space"] == table["space"].iloc[-1]]
-    at = factors_of(table.assign(hv_m=0.0))
+    at = factors_of_table(table.assign(hv_m=0.0))
     rows = pd.DataFrame({"x_mm": 1e3 * at.x_m, "y_mm": 1e3 * at.y_m})
-    rows["hv_um"] = parts.micrometres(table["hv_m"])
+    rows["hv_um"] = parts.metres_to_micrometres(table["hv_m"])
     known, validated = rows["hv_um"].notna(), table["error_95_percent"].notna()
     rows["mark"] = np.select([~known, validated], ["no amplitude", "validated"], "not validated")
-    norm, cmap = Normalize(), mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
+    norm, cmap = Normalize(), mpl.colormaps[style.SEQUENTIAL_COLOURMAP].with_extremes(bad="white")
     norm.autoscale_None(rows.loc[known, "hv_um"])
     look: dict[str, Any] = {"norm": norm, "cmap": cmap, "plotnonfinite": True, "s": 26}
     look |= {"edgecolors": "black", "linewidths": 0.6, "x": "x_mm", "y": "y_mm"}
     for mark, rows_marked in rows.groupby("mark"):
         look |= {"marker": MARKER_OF_STATUS[str(mark)], "label": mark}
-        dots = parts.coloured_dots(axes, rows_marked, "hv_um", **look)
+        dots = parts.draw_coloured_dots(axes, rows_marked, "hv_um", **look)
     if known.any():
-        figure.colorbar(dots, ax=axes, pad=0.02, label=parts.PLANE_LABELS["ylabel"])
+        figure.colorbar(dots, ax=axes, pad=0.02, label=parts.GAP_AMPLITUDE_LABELS["ylabel"])
     axes.margins(0.15)
     axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="pad's centre, $y$ (mm)")
     axes.grid(True)
     figure.legend(loc="outside upper center", ncols=3, handletextpad=0.2)
     first = table.iloc[0]
     where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
-    errors = f"Largest error of the model: {percent(float(first['worst_error']))}."
+    errors = f"Largest error of the model: {percent_text(float(first['worst_error']))}."
     style.add_note(figure, f"By {first['model']} for {where}.", errors, results.validity_note)
     return figure
 
@@ -121,20 +121,20 @@ def vibration(results: Results) -> Figure:
     """Vibration over the surface as a fraction of its maximum, with its sign, and the pad."""
     surface, pad = results.config.actuator.surface, results.config.read_pad()
     x_m, y_m = np.meshgrid(
-        *(np.linspace(-half, half, MAP_LINES) for half in surface.half_extents_m)
+        *(np.linspace(-half, half, MAP_POINTS_PER_AXIS) for half in surface.half_extents_m)
     )
     s = results.config.read_profile().amplitude(x_m=x_m, y_m=y_m)
     s = np.clip(np.abs(s) if np.iscomplexobj(s) else s, -1.0, 1.0)
     figure, axes = style.subplots(height_in=3.2)
     signed_profile = bool((s < 0).any())
-    cmap = style.DIVERGING if signed_profile else style.SEQUENTIAL
+    cmap = style.DIVERGING_COLOURMAP if signed_profile else style.SEQUENTIAL_COLOURMAP
     levels = np.linspace(-1 if signed_profile else 0, 1, 21)
     filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, levels=levels, cmap=cmap)
     if signed_profile:
         axes.contour(1e3 * x_m, 1e3 * y_m, s, levels=[0], colors="black", linewidths=0.7)
-    outside = surface.reach(x_m, y_m)
+    outside = surface.relative_distance(x_m, y_m)
     axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")
-    edge_mm = 1e3 * pad.edge_m()
+    edge_mm = 1e3 * pad.edge_points_m()
     axes.fill(*edge_mm.T, fill=False, edgecolor="black", label="pad, centred")
     axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
     label = "amplitude over its maximum (–)"
@@ -151,7 +151,9 @@ def profile(results: Results) -> Figure:
     data = results.table("figures/profile.csv", *VIBRATION_PROFILE_COLUMNS)
     noise = results.read_json_file("profile/summary.json").get("largest_force_noise_fraction")
     note = (
-        f"Measurement noise of the scan: up to {percent(noise)} of a force (95 %)." if noise else ""
+        f"Measurement noise of the scan: up to {percent_text(noise)} of a force (95 %)."
+        if noise
+        else ""
     )
     return draw_profile_table(data, note, results.validity_note)
 
@@ -170,22 +172,29 @@ def draw_profile_table(data: pd.DataFrame, *notes: str) -> Figure:
 
 def _draw_profile(figure: Figure, amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
     """The profile's contours with the points' amplitudes; the points' residuals."""
-    grid = parts.grid_of_table(style.layer_rows(data, "map"), "profile_um", x="x_mm", y="y_mm")
+    grid = parts.grid_arrays_of_table(
+        style.layer_rows(data, "map"), "profile_um", x="x_mm", y="y_mm"
+    )
     points, noise = style.layer_rows(data, "points"), float(data["noise_um"].iloc[0])
     outliers = style.layer_rows(data, "outliers")
     largest = float(max(np.abs(grid[2]).max(), points["amplitude_um"].abs().max()))
     levels = MaxNLocator(nbins=16, symmetric=True).tick_values(-largest, largest)
     largest_residual = float(max(3 * noise, points["residual_um"].abs().max()))
-    amplitude.contourf(*grid, levels=levels, cmap=style.DIVERGING)
+    amplitude.contourf(*grid, levels=levels, cmap=style.DIVERGING_COLOURMAP)
     amplitude.contour(*grid, levels=[0.0], colors="black", linewidths=1.6)
     amplitude.set_title("(a) measured (dots) and smoothed")
     for axes, column, label, limit in (
         (amplitude, "amplitude_um", "amplitude (µm)", float(levels[-1])),
         (residual, "residual_um", "residual (µm)", largest_residual),
     ):
-        look: dict[str, Any] = {"cmap": style.DIVERGING, "vmin": -limit, "vmax": limit, "s": 9}
+        look: dict[str, Any] = {
+            "cmap": style.DIVERGING_COLOURMAP,
+            "vmin": -limit,
+            "vmax": limit,
+            "s": 9,
+        }
         look |= {"edgecolor": "0.3", "linewidths": 0.3, "clip_on": False}
-        drawn = parts.coloured_dots(axes, points, column, x="x_mm", y="y_mm", **look)
+        drawn = parts.draw_coloured_dots(axes, points, column, x="x_mm", y="y_mm", **look)
         if len(outliers):
             count = f"outliers ({len(outliers)})"
             x, y = outliers["x_mm"], outliers["y_mm"]

@@ -9,11 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 
-from squeezefilm.models.data import factors_of
+from squeezefilm.models.data import factors_of_table
 from squeezefilm.models.fit_file import FittedModel
-from squeezefilm.tables import ERROR_MAP_COLUMNS, ROUND_COLUMNS
+from squeezefilm.tables import ERROR_MAP_COLUMNS, REFINEMENT_ROUND_COLUMNS
 from squeezefilm_workflow.reporting.figures import parts, style
-from squeezefilm_workflow.reporting.notes import TEXT_OF_REFINE_VERDICT, percent, simulations_note
+from squeezefilm_workflow.reporting.notes import (
+    TEXT_OF_REFINE_VERDICT,
+    percent_text,
+    simulation_error_note,
+)
 from squeezefilm_workflow.reporting.results import Results
 
 STYLE_OF_LAYER: dict[str, dict[str, Any]] = {
@@ -28,19 +32,19 @@ CONTOUR_LEVELS = (0.2, 0.4, 0.6, 0.8, 0.9, 0.99)
 MAX_DOT_SIZE = 140
 """Area in points² of a design point with all the weight."""
 AXES_OF_PLANE = {
-    "gap": (("h0_um", "hv_um"), parts.PLANE_LABELS),
+    "gap": (("h0_um", "hv_um"), parts.GAP_AMPLITUDE_LABELS),
     "position": (("x_mm", "y_mm"), {"xlabel": "pad x (mm)", "ylabel": "pad y (mm)"}),
 }
 """Layers of a design's sensitivity; their columns and labels."""
-LINEAR_SCALE_FRACTION = 0.02
+LINEAR_THRESHOLD_FRACTION = 0.02
 """Share of the largest error, at least, up to which a map's colours are linear."""
 
 
 def fitted_model(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the screen (mesh) and the simulations (dots)."""
     fit = results.fit("screen")
-    note = f"Fit on {fit.points} points: global error {percent(fit.global_error)}."
-    return model_and_points(results, fit, note, simulation="screen")
+    note = f"Fit on {fit.points} points: global error {percent_text(fit.global_error)}."
+    return model_and_points_figure(results, fit, note, simulation="screen")
 
 
 def design(results: Results) -> tuple[Figure, pd.DataFrame]:
@@ -48,15 +52,15 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
     screen = results.scenes("screen")
     optimal = results.design("two_factor")
     labels = optimal["origin"].str.replace(" and ", ", ").replace("augmentation", "+")
-    points = parts.plane_table(optimal, layer="design").assign(label=labels)
-    data = pd.concat([parts.plane_table(screen, layer="screen"), points], ignore_index=True)
+    points = parts.gap_amplitude_table(optimal, layer="design").assign(label=labels)
+    data = pd.concat([parts.gap_amplitude_table(screen, layer="screen"), points], ignore_index=True)
     figure, axes = style.subplots()
     label = f"screen, {len(screen)} points"
     white = style.layer_rows(data, "screen")
-    parts.dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
+    parts.draw_dots(axes, white, fill="white", markersize=4, markeredgewidth=0.6, label=label)
     label = f"optimal design, {len(optimal)} points"
-    parts.dots(axes, points, fill="black", markersize=6, label=label)
-    parts.set_up_plane(axes, screen)
+    parts.draw_dots(axes, points, fill="black", markersize=6, label=label)
+    parts.set_up_gap_amplitude_axes(axes, screen)
     parts.label_points(axes, points, labels=points["label"])
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.2)
     note = "Letters: a point's locally optimal patterns; +: added by augmentation."
@@ -64,19 +68,19 @@ def design(results: Results) -> tuple[Figure, pd.DataFrame]:
     return figure, data
 
 
-def model_and_points(
+def model_and_points_figure(
     results: Results, fit: FittedModel, note: str, **plans: str
 ) -> tuple[Figure, pd.DataFrame]:
     """A fit as a mesh, and the simulations of plans as dots, each a layer with its look."""
-    tables = [parts.model_mesh(fit, results.scenes("screen"))]
+    tables = [parts.model_mesh_table(fit, results.scenes("screen"))]
     forces = [results.forces(plan) for plan in plans.values()]
     figure = style.new_figure(height_in=3.1)
-    notes = (note, simulations_note(*forces), results.validity_note)
+    notes = (note, simulation_error_note(*forces), results.validity_note)
     axes = parts.add_3d_axes(figure, bottom=style.add_note(figure, *notes))
-    parts.force_mesh(axes, tables[0])
+    parts.draw_force_mesh(axes, tables[0])
     for layer, simulated in zip(plans, forces, strict=True):
-        tables.append(parts.plane_table(simulated, layer=layer))
-        parts.force_points(axes, tables[-1], **STYLE_OF_LAYER[layer])
+        tables.append(parts.gap_amplitude_table(simulated, layer=layer))
+        parts.draw_force_points(axes, tables[-1], **STYLE_OF_LAYER[layer])
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 0.97), handletextpad=0.2)
     return figure, pd.concat(tables, ignore_index=True)
 
@@ -88,14 +92,14 @@ def _text_only_figure(text: str) -> Figure:
     return figure
 
 
-def model_errors(results: Results, space: str) -> Figure:
+def model_errors_figure(results: Results, space: str) -> Figure:
     """A panel for each model: errors on the validation sample, larger ones over smaller ones."""
     table = results.table(f"models/{space}.csv", "model", "parameters", "validation_error")
     judged = table.dropna(subset="validation_error").sort_values("validation_error", kind="stable")
     if judged.empty:
         return _text_only_figure("no model has an error on these points")
     data = results.table(f"models/{space}_errors.csv", "model", "h0_m", "hv_m", "relative_error")
-    data = parts.in_micrometres(data).assign(size=100 * data["relative_error"].abs())
+    data = parts.with_micrometre_columns(data).assign(size=100 * data["relative_error"].abs())
     across = min(PANELS_PER_ROW, len(judged))
     down = ceil(len(judged) / across)
     figure = style.new_figure(wide=True, height_in=0.5 + 1.85 * down)
@@ -106,11 +110,13 @@ def model_errors(results: Results, space: str) -> Figure:
         axes.set_visible(False)
     for number, (axes, model) in enumerate(zip(panels, judged.to_dict("records"), strict=False)):
         rows = data[data["model"] == model["model"]].sort_values("size", kind="stable")
-        dots = parts.coloured_dots(axes, rows, "size", s=5, norm=norm, cmap=style.SEQUENTIAL)
-        share = percent(model["validation_error"])
+        dots = parts.draw_coloured_dots(
+            axes, rows, "size", s=5, norm=norm, cmap=style.SEQUENTIAL_COLOURMAP
+        )
+        share = percent_text(model["validation_error"])
         axes.set_title(f"{model['model']} ({model['parameters']:.0f})\n{share}", fontsize=7)
         lowest_of_column = number >= len(judged) - across
-        axes.set(**parts.PLANE_LABELS)
+        axes.set(**parts.GAP_AMPLITUDE_LABELS)
         axes.yaxis.label.set_visible(number % across == 0)
         axes.xaxis.label.set_visible(lowest_of_column)
         axes.tick_params(labelsize=6, labelbottom=lowest_of_column)
@@ -121,7 +127,7 @@ def model_errors(results: Results, space: str) -> Figure:
     return figure
 
 
-def sensitivity(results: Results, space: str) -> Figure:
+def sensitivity_figure(results: Results, space: str) -> Figure:
     """d(x)/p over gap and amplitude, and over the pad's position where it moves."""
     data = results.table(f"designs/optimal_{space}_sensitivity.csv", "layer", "sensitivity")
     moved = bool((data["layer"] == "position").any())
@@ -141,7 +147,7 @@ def sensitivity(results: Results, space: str) -> Figure:
 def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[str, str]) -> Any:
     rows, points = style.layer_rows(data, layer), style.layer_rows(data, "design")
     x, y, level = (rows[name].to_numpy(dtype=float) for name in (*names, "sensitivity"))
-    shading: dict[str, Any] = {"cmap": style.SEQUENTIAL, "vmin": 0.0, "vmax": 1.0}
+    shading: dict[str, Any] = {"cmap": style.SEQUENTIAL_COLOURMAP, "vmin": 0.0, "vmax": 1.0}
     colours = axes.tripcolor(x, y, level, shading="gouraud", rasterized=True, **shading)
     reached = [each for each in CONTOUR_LEVELS if level.min() < each < level.max()]
     if reached:
@@ -153,7 +159,7 @@ def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[s
     return colours
 
 
-def refined(results: Results, space: str) -> Figure:
+def refinement_figure(results: Results, space: str) -> Figure:
     """A row for each refined model: errors against simulations, maps of gap and of position."""
     table = results.table(f"refine/{space}.csv", "model", "verdict", "simulations")
     table = table[table["verdict"] != "not supported"]
@@ -171,8 +177,8 @@ def refined(results: Results, space: str) -> Figure:
     for row, (_, model) in zip(panels, table.iterrows(), strict=True):
         folder = f"refine/{space}/{model['model']}"
         verdict = results.read_json_file(f"{folder}/verdict.json")
-        rounds = results.table(f"{folder}/rounds.csv", *ROUND_COLUMNS)
-        _draw_rounds(row[0], rounds, required=verdict["required"], truth=model)
+        rounds = results.table(f"{folder}/rounds.csv", *REFINEMENT_ROUND_COLUMNS)
+        _draw_refinement_rounds(row[0], rounds, required=verdict["required"], truth=model)
         row[0].set_title(f"{model['model']}: {TEXT_OF_REFINE_VERDICT[model['verdict']]}")
         sample = style.layer_rows(
             results.table(f"{folder}/where.csv", *ERROR_MAP_COLUMNS), "sample"
@@ -181,7 +187,7 @@ def refined(results: Results, space: str) -> Figure:
         places = _factors_in_figure_units(sample).assign(error_percent=error_percent)
         points = simulated[model["model"]]
         for axes, (names, labels) in zip(row[1:], AXES_OF_PLANE.values(), strict=False):
-            dots = _draw_errors(axes, places, points, *names)
+            dots = _draw_error_dots(axes, places, points, *names)
             axes.set(**labels)
         bar = figure.colorbar(dots, ax=row[-1], pad=0.02, label="error (%)")
         bar.ax.tick_params(labelsize=6)
@@ -194,13 +200,17 @@ def refined(results: Results, space: str) -> Figure:
 
 def _factors_in_figure_units(table: pd.DataFrame) -> pd.DataFrame:
     """The table with the four factors in the figures' units."""
-    at = factors_of(table)
-    return parts.in_micrometres(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
+    at = factors_of_table(table)
+    return parts.with_micrometre_columns(table).assign(x_mm=1e3 * at.x_m, y_mm=1e3 * at.y_m)
 
 
-def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, required: Any, truth: pd.Series) -> None:
+def _draw_refinement_rounds(
+    axes: Any, rounds: pd.DataFrame, *, required: Any, truth: pd.Series
+) -> None:
     """Estimates with their limits, the required errors dashed, the truth as stars."""
-    rounds = rounds.assign(**{name: 100 * rounds[name] for name in ROUND_COLUMNS if "_" in name})
+    rounds = rounds.assign(
+        **{name: 100 * rounds[name] for name in REFINEMENT_ROUND_COLUMNS if "_" in name}
+    )
     for name, colour, label in (
         ("worst_error", style.VERMILLION, "worst error, estimated"),
         ("global_error", style.BLUE, "global error, estimated"),
@@ -222,16 +232,18 @@ def _draw_rounds(axes: Any, rounds: pd.DataFrame, *, required: Any, truth: pd.Se
     axes.grid(axis="y")
 
 
-def _draw_errors(axes: Axes, sample: pd.DataFrame, simulated: pd.DataFrame, x: str, y: str) -> Any:
+def _draw_error_dots(
+    axes: Axes, sample: pd.DataFrame, simulated: pd.DataFrame, x: str, y: str
+) -> Any:
     """The error at a fair sample of the space, the largest on top; simulated points circled."""
     sample = sample.sort_values("error_percent", key=np.abs)
     top = max(float(sample["error_percent"].abs().max()), 1e-12)
     # Linear up to a power of ten, so that the ticks keep apart.
     norm = SymLogNorm(
-        linthresh=10 ** np.ceil(np.log10(LINEAR_SCALE_FRACTION * top)), vmin=-top, vmax=top
+        linthresh=10 ** np.ceil(np.log10(LINEAR_THRESHOLD_FRACTION * top)), vmin=-top, vmax=top
     )
-    look: dict[str, Any] = {"norm": norm, "cmap": style.DIVERGING, "s": 6}
-    dots = parts.coloured_dots(axes, sample, "error_percent", x=x, y=y, **look)
+    look: dict[str, Any] = {"norm": norm, "cmap": style.DIVERGING_COLOURMAP, "s": 6}
+    dots = parts.draw_coloured_dots(axes, sample, "error_percent", x=x, y=y, **look)
     axes.plot(simulated[x], simulated[y], "o", mfc="none", mec="black", mew=0.6, markersize=4)
     axes.tick_params(labelsize=6)
     return dots

@@ -18,47 +18,49 @@ from mpl_toolkits.mplot3d import Axes3D
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm_workflow.reporting.figures import style
-from squeezefilm_workflow.reporting.notes import percent, signed
+from squeezefilm_workflow.reporting.notes import percent_text, signed_text
 from squeezefilm_workflow.reporting.results import Results
 
-PLANE_LABELS = {"xlabel": r"mean gap $h_0$ (µm)", "ylabel": r"amplitude $h_v$ (µm)"}
+GAP_AMPLITUDE_LABELS = {"xlabel": r"mean gap $h_0$ (µm)", "ylabel": r"amplitude $h_v$ (µm)"}
 """Labels of a plane: gap to the right, amplitude upwards."""
-LABEL_MARGINS = (0.035, 0.02)
+CONTOUR_LABEL_MARGINS = (0.035, 0.02)
 """Between the labels of contours and the rim of the axes, fractions of the axes."""
-MESH_LINES = 26
+MESH_LINES_PER_FACTOR = 26
 """Lines of a model's mesh along each factor."""
 
 
-def plane_table(table: pd.DataFrame, *, layer: str) -> pd.DataFrame:
+def gap_amplitude_table(table: pd.DataFrame, *, layer: str) -> pd.DataFrame:
     """Gap and amplitude of a table of scenes in µm, with the force in N where it is known."""
     columns = ["layer", "h0_um", "hv_um", *(["force_n"] if "force_n" in table else [])]
-    return in_micrometres(table).assign(layer=layer)[columns].reset_index(drop=True)
+    return with_micrometre_columns(table).assign(layer=layer)[columns].reset_index(drop=True)
 
 
-def in_micrometres(table: pd.DataFrame) -> pd.DataFrame:
+def with_micrometre_columns(table: pd.DataFrame) -> pd.DataFrame:
     """The table with gap and amplitude in µm, too."""
-    return table.assign(h0_um=micrometres(table["h0_m"]), hv_um=micrometres(table["hv_m"]))
+    return table.assign(
+        h0_um=metres_to_micrometres(table["h0_m"]), hv_um=metres_to_micrometres(table["hv_m"])
+    )
 
 
-def micrometres(metres: pd.Series) -> np.ndarray:
+def metres_to_micrometres(metres: pd.Series) -> np.ndarray:
     """Metres in µm, rounded so that 7e-6 becomes 7 and not 7.000000000000001."""
     return np.round(metres.to_numpy(dtype=float) * 1e6, 9)
 
 
-def model_mesh(fit: FittedModel, screen: pd.DataFrame) -> pd.DataFrame:
+def model_mesh_table(fit: FittedModel, screen: pd.DataFrame) -> pd.DataFrame:
     """The fitted force of a centred pad on a mesh over the experimental space."""
     ends = ((screen[name].min(), screen[name].max()) for name in ("h0_m", "hv_m"))
-    lines = (np.linspace(*each, MESH_LINES) for each in ends)
+    lines = (np.linspace(*each, MESH_LINES_PER_FACTOR) for each in ends)
     h0_m, hv_m = (values.ravel() for values in np.meshgrid(*lines, indexing="ij"))
     force_n = fit.force_model.evaluate(fit.theta, Factors.of(h0_m=h0_m, hv_m=hv_m))
     mesh = pd.DataFrame({"h0_m": h0_m, "hv_m": hv_m, "force_n": force_n})
-    return plane_table(mesh, layer="model")
+    return gap_amplitude_table(mesh, layer="model")
 
 
 def error_table(results: Results, fit: str, plan: str, *, layer: str) -> pd.DataFrame:
     """Relative error of a fit in percent at each point of a plan, and whether it is in the band."""
     points, band = results.errors(fit, plan), results.validation(fit, plan)["band"]
-    return plane_table(points[["h0_m", "hv_m"]], layer=layer).assign(
+    return gap_amplitude_table(points[["h0_m", "hv_m"]], layer=layer).assign(
         relative_error_percent=100 * points["relative_error"],
         in_band=points["relative_error"].abs() <= band,
         band_percent=100 * band,
@@ -69,8 +71,8 @@ def error_note(results: Results, fit: str, plan: str) -> str:
     """The errors of a fit over the points of a plan."""
     errors = results.validation(fit, plan)
     return (
-        f"{errors['points']:.0f} points: global error {percent(errors['global_error'])}, "
-        f"largest {percent(errors['worst_relative_error'])}"
+        f"{errors['points']:.0f} points: global error {percent_text(errors['global_error'])}, "
+        f"largest {percent_text(errors['worst_relative_error'])}"
     )
 
 
@@ -79,12 +81,12 @@ def interpolation_note(points: pd.DataFrame) -> str:
     return f"Interpolated linearly between {len(points)} simulated points (h0, hv)."
 
 
-def set_up_plane(axes: Axes, screen: pd.DataFrame, *, headroom: float = 0.15) -> None:
+def set_up_gap_amplitude_axes(axes: Axes, screen: pd.DataFrame, *, headroom: float = 0.15) -> None:
     """Label the axes and leave room around the experimental space, that of the screen's scenes.
 
     headroom is the room above the space, as a share of its height.
     """
-    axes.set(**PLANE_LABELS)
+    axes.set(**GAP_AMPLITUDE_LABELS)
     for set_limits, name, below, above in (
         (axes.set_xlim, "h0_m", 0.1, 0.1),
         (axes.set_ylim, "hv_m", 0.13, headroom),
@@ -94,7 +96,7 @@ def set_up_plane(axes: Axes, screen: pd.DataFrame, *, headroom: float = 0.15) ->
     axes.grid(True)
 
 
-def set_up_positions(axes: Axes, angles_deg: pd.Series, *, margin: float) -> None:
+def set_up_position_axes(axes: Axes, angles_deg: pd.Series, *, margin: float) -> None:
     """Label the axes of polar positions and leave a margin, a share of the range, at the angles."""
     low, high = min(0.0, float(angles_deg.min())), float(angles_deg.max())
     room = margin * ((high - low) or 45)
@@ -104,7 +106,7 @@ def set_up_positions(axes: Axes, angles_deg: pd.Series, *, margin: float) -> Non
     axes.grid(True)
 
 
-def dots(
+def draw_dots(
     axes: Axes, data: pd.DataFrame, *, x: str = "h0_um", y: str = "hv_um", fill: str, **look: Any
 ) -> None:
     """A dot for each row, also on the rim of the axes; ``look`` as matplotlib has it."""
@@ -112,14 +114,16 @@ def dots(
     axes.plot(data[x], data[y], "o", color=fill, **usual | look)
 
 
-def coloured_dots(
+def draw_coloured_dots(
     axes: Axes, data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um", **look: Any
 ) -> PathCollection:
     """A dot for each row, coloured by a value; ``look`` as matplotlib has it."""
     return axes.scatter(data[x], data[y], c=data[value], **{"linewidths": 0} | look)
 
 
-def grid_of_table(data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um") -> Any:
+def grid_arrays_of_table(
+    data: pd.DataFrame, value: str, *, x: str = "h0_um", y: str = "hv_um"
+) -> Any:
     """x, y and the values over them (rows along y) of a table that is a grid."""
     table = data.pivot(index=y, columns=x, values=value)
     return table.columns.to_numpy(), table.index.to_numpy(), table.to_numpy()
@@ -144,7 +148,7 @@ def write_not_known(axes: Axes) -> None:
     axes.grid(False)
 
 
-def error_contours(
+def draw_error_contours(
     axes: Axes, results: Results, *, bins: int, ticks: Sequence[float] = (1, 2, 5), **lines: Any
 ) -> tuple[ContourSet, ContourSet]:
     """The model of the design: its errors over the space as filled contours, and their lines.
@@ -153,20 +157,20 @@ def error_contours(
     the band is a thick line, with its value and for a legend, where the error reaches it.
     """
     data = error_table(results, "two_factor_design", "error_map", layer="map")
-    grid = grid_of_table(data, "relative_error_percent")
+    grid = grid_arrays_of_table(data, "relative_error_percent")
     reach = float(np.abs(grid[2]).max())
     levels = MaxNLocator(nbins=bins, symmetric=True).tick_values(-reach, reach)
     limit_axes_to_grid(axes, grid)
     axes.set_yscale("log")
     style.set_plain_log_ticks(axes.yaxis, at=ticks)
     axes.yaxis.set_minor_locator(NullLocator())
-    filled = axes.contourf(*grid, levels=levels, cmap=style.DIVERGING)
+    filled = axes.contourf(*grid, levels=levels, cmap=style.DIVERGING_COLOURMAP)
     drawn = axes.contour(*grid, levels=levels, linestyles="solid", **lines)
     band = float(data["band_percent"].iloc[0])
     if reach > band:
         thick: dict[str, Any] = {"colors": "black", "linestyles": "solid", "linewidths": 1.8}
         edge = axes.contour(*grid, levels=[-band, band], **thick)
-        label_contours(axes, edge, lambda level: f"{signed(level, 3)} %")
+        label_contours(axes, edge, lambda level: f"{signed_text(level, 3)} %")
         axes.plot([], [], "k", linewidth=1.8, label=f"±{band:g} %, the allowed band")
     return filled, drawn
 
@@ -178,7 +182,7 @@ def label_contours(axes: Axes, lines: ContourSet, form: Any) -> None:
     """
     for label in axes.clabel(lines, fontsize=6, fmt=form):
         at = axes.transAxes.inverted().transform(axes.transData.transform(label.get_position()))
-        inside = bool((np.abs(at - 0.5) < 0.5 - np.array(LABEL_MARGINS)).all())
+        inside = bool((np.abs(at - 0.5) < 0.5 - np.array(CONTOUR_LABEL_MARGINS)).all())
         label.set(rotation=0, color="black", zorder=3, visible=inside)
         label.set_bbox({"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6})
 
@@ -200,7 +204,7 @@ def add_3d_axes(
     figure: Figure,
     *,
     bottom: float = 0.0,
-    labels: Sequence[str] = (*PLANE_LABELS.values(), "mean force $F$ (N)"),
+    labels: Sequence[str] = (*GAP_AMPLITUDE_LABELS.values(), "mean force $F$ (N)"),
     azimuth_deg: float = -132,
     pads: tuple[float, float] = (-5, -2),
     ticks: int = 5,
@@ -229,23 +233,23 @@ def add_3d_axes(
     return axes
 
 
-def mesh(axes: Axes3D, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> None:
+def draw_mesh(axes: Axes3D, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> None:
     """Draw a mesh of shape (m, n) coloured by its height z."""
-    colours = mpl.colormaps[style.SEQUENTIAL](mpl.colors.Normalize()(z))
+    colours = mpl.colormaps[style.SEQUENTIAL_COLOURMAP](mpl.colors.Normalize()(z))
     colours[..., :3] = 0.45 * colours[..., :3] + 0.55  # light, so that points stand out
     lines: dict[str, Any] = {"edgecolor": "0.4", "linewidth": 0.25, "shade": False, "zorder": 1}
     lines |= dict(zip(("rcount", "ccount"), z.shape, strict=True))
     axes.plot_surface(x, y, z, facecolors=colours, **lines)
 
 
-def force_mesh(axes: Axes3D, data: pd.DataFrame) -> None:
+def draw_force_mesh(axes: Axes3D, data: pd.DataFrame) -> None:
     """Draw a grid of rows h0_um, hv_um, force_n as a mesh."""
-    hv, h0, force = grid_of_table(data, "force_n", x="hv_um", y="h0_um")
+    hv, h0, force = grid_arrays_of_table(data, "force_n", x="hv_um", y="h0_um")
     x, y = np.meshgrid(h0, hv, indexing="ij")
-    mesh(axes, x, y, force)
+    draw_mesh(axes, x, y, force)
 
 
-def force_points(axes: Axes3D, data: pd.DataFrame, **look: Any) -> None:
+def draw_force_points(axes: Axes3D, data: pd.DataFrame, **look: Any) -> None:
     """Draw rows h0_um, hv_um, force_n as dots in front of the mesh."""
     usual: dict[str, Any] = {"s": 11, "edgecolor": "black", "linewidth": 0.5, "zorder": 5}
     points = (data[name] for name in ("h0_um", "hv_um", "force_n"))

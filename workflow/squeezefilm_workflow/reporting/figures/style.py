@@ -23,16 +23,16 @@ from squeezefilm.files import atomic_file, read_text
 SINGLE_COLUMN_IN = 3.5
 DOUBLE_COLUMN_IN = 7.16
 PNG_DPI = 300
-CHECK_DPI = 50
-PLAIN_SUFFIX = ".plain.png"
+CHECK_PICTURE_DPI = 50
+PLAIN_PICTURE_SUFFIX = ".plain.png"
 """How the name of a small picture without texts ends."""
 
 # Okabe and Ito's colours, told apart with every common colour vision.
 BLUE, VERMILLION, GREEN, ORANGE, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7"
 GREY = "#6E6E6E"
 DASHED_LINE = (0, (4, 2))
-SEQUENTIAL = "viridis"
-DIVERGING = "PuOr_r"
+SEQUENTIAL_COLOURMAP = "viridis"
+DIVERGING_COLOURMAP = "PuOr_r"
 
 NOTE_SIZE_PT = 6.0
 _NOTE_LETTERS_PER_IN = 22
@@ -73,7 +73,7 @@ _NO_METADATA: dict[str, dict[str, None]] = {
 }
 
 
-_with_notes: ContextVar[bool] = ContextVar("with_notes", default=True)
+_notes_enabled: ContextVar[bool] = ContextVar("with_notes", default=True)
 
 
 def read_style(file: Path) -> dict[Any, Any]:
@@ -102,10 +102,10 @@ def figure_style(*, notes: bool = True, file: Path | None = None) -> Iterator[No
     """
     chosen: dict[Any, Any] = dict(mpl.rcParamsDefault) | _MATPLOTLIB_SETTINGS
     chosen |= (read_style(file) if file else {}) | {"backend": "agg"}
-    token = _with_notes.set(notes)
+    token = _notes_enabled.set(notes)
     with mpl.rc_context(chosen):
         yield
-    _with_notes.reset(token)
+    _notes_enabled.reset(token)
 
 
 def new_figure(*, wide: bool = False, height_in: float = 2.7) -> Figure:
@@ -127,7 +127,7 @@ def add_note(figure: Figure, *lines: str) -> float:
     """
     width_in, height_in = figure.get_size_inches()
     letters = int(_NOTE_LETTERS_PER_IN * width_in)
-    shown = [part for line in lines if _with_notes.get() for part in wrap(line, letters)] or [""]
+    shown = [part for line in lines if _notes_enabled.get() for part in wrap(line, letters)] or [""]
     look: dict[str, Any] = {"fontsize": NOTE_SIZE_PT, "color": "0.25", "linespacing": 1.2}
     corner = _NOTE_INDENT_IN / width_in, _MARGIN_IN / height_in
     figure.text(*corner, "\n".join(shown), va="bottom", **look)
@@ -174,11 +174,11 @@ def save_without_text(figure: Figure, paths: Iterable[Path | str]) -> None:
         axis.set_minor_formatter(NullFormatter())
     for part in (*figure.findobj(Text), *figure.findobj(Legend)):
         part.set_visible(False)
-    figure.set_dpi(CHECK_DPI)
-    save(figure, paths, dpi=CHECK_DPI)
+    figure.set_dpi(CHECK_PICTURE_DPI)
+    save_figure(figure, paths, dpi=CHECK_PICTURE_DPI)
 
 
-def save(figure: Figure, paths: Iterable[Path | str], *, dpi: float = PNG_DPI) -> None:
+def save_figure(figure: Figure, paths: Iterable[Path | str], *, dpi: float = PNG_DPI) -> None:
     """Save in the formats that the names ask for, byte for byte the same each time."""
     freeze_layout(figure)
     for path in map(Path, paths):

@@ -25,10 +25,10 @@ STYLE_OF_METHOD = {
 """Colour, marker and line of each method."""
 MARKER_OF_VERDICT = {"solved": "o", "unchecked": "D", "not supported": "s", "failed": "X"}
 EPSILON_TICKS = (0.001, 0.1, 0.5, 0.9, 0.99)
-MAX_EPSILON = 0.998
-DOT_OFFSET = 0.25
+MAX_DRAWN_EPSILON = 0.998
+DOT_OFFSET_DECADES = 0.25
 """Of films in one place, in decades of σ."""
-PAD_OFFSET = 0.09
+PAD_OFFSET_DECADES = 0.09
 """Of discs to the left and of squares to the right, in decades of Re."""
 
 
@@ -40,8 +40,11 @@ def stability(results: Results) -> Figure:
     left, middle, right = figure.subplots(1, 3, width_ratios=(3, 2, 2), sharey=True)
     moving = data["modified_reynolds"] > 0
     thermal = data["terms"].str.contains("thermal effects")
-    pad_offset = np.where(data["case"].str.startswith("disc"), -PAD_OFFSET, PAD_OFFSET) * thermal
-    shown = _draw_films(left, data[~moving].assign(x=data["epsilon"].clip(upper=MAX_EPSILON)))
+    pad_offset = (
+        np.where(data["case"].str.startswith("disc"), -PAD_OFFSET_DECADES, PAD_OFFSET_DECADES)
+        * thermal
+    )
+    shown = _draw_films(left, data[~moving].assign(x=data["epsilon"].clip(upper=MAX_DRAWN_EPSILON)))
     left.set(xscale="logit", xlabel="excursion ratio ε (–)")
     left.set_xticks(EPSILON_TICKS, [f"{tick:g}" for tick in EPSILON_TICKS])
     left.set(xlim=(4e-4, 0.9988), ylabel="squeeze number σ (–)", title="(a) without inertia")
@@ -70,13 +73,15 @@ def _draw_films(axes: Axes, films: pd.DataFrame) -> PathCollection:
     """Draw a dot per film, coloured by its worst deviation, coincident ones apart."""
     positions = films.groupby(["x", "sigma"])
     rank = positions.cumcount() - (positions["x"].transform("size") - 1) / 2
-    films = films.assign(y=films["sigma"] * 10 ** (DOT_OFFSET * rank))
-    cmap = mpl.colormaps[style.SEQUENTIAL].with_extremes(bad="white")
+    films = films.assign(y=films["sigma"] * 10 ** (DOT_OFFSET_DECADES * rank))
+    cmap = mpl.colormaps[style.SEQUENTIAL_COLOURMAP].with_extremes(bad="white")
     look: dict[str, Any] = {"cmap": cmap, "norm": LogNorm(1e-4, 1.0, clip=True), "s": 26}
     look |= {"edgecolors": "0.3", "linewidths": 0.6, "plotnonfinite": True, "x": "x", "y": "y"}
     for verdict, marker in MARKER_OF_VERDICT.items():
         films_of_verdict = films[films["verdict"] == verdict]
-        dots = parts.coloured_dots(axes, films_of_verdict, "worst_ratio", marker=marker, **look)
+        dots = parts.draw_coloured_dots(
+            axes, films_of_verdict, "worst_ratio", marker=marker, **look
+        )
     axes.set_yscale("log")
     axes.grid(True)
     return dots
@@ -131,7 +136,9 @@ def published(results: Results) -> Figure:
             left.plot(films["modified_reynolds"], films[column], marker, **look)
     left.set(ylabel="relative deviation (–)", title="(a) pressure: from finite elements")
     averaged = profiles[profiles["case"].str.startswith("inertia")]
-    colours = mpl.colormaps[style.SEQUENTIAL](np.linspace(0, 0.85, averaged["sigma"].nunique()))
+    colours = mpl.colormaps[style.SEQUENTIAL_COLOURMAP](
+        np.linspace(0, 0.85, averaged["sigma"].nunique())
+    )
     for colour, (sigma, films) in zip(colours, averaged.groupby("sigma"), strict=True):
         for case, line, label in (
             ("inertia", "o-", f"σ = {sigma:g}"),

@@ -22,10 +22,10 @@ from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.terms.rarefaction import slip_flow
-from squeezefilm_workflow.verification.films import PISTON, film
+from squeezefilm_workflow.verification.films import PISTON_PROFILE, film_scene
 from squeezefilm_workflow.verification.published import slider
 from squeezefilm_workflow.verification.published.linear_film import (
-    VISCOUS,
+    VISCOUS_FACTORS,
     depth_averaged_factors,
     disc_response,
     exact_factors,
@@ -38,23 +38,26 @@ PUBLISHED_FOLDER = Path(__file__).parent
 SMALL_EPSILON = 1e-4
 """ε of a linear film: what is left of the next order is 2e-8 of the first harmonic."""
 # ANSYS Mechanical APDL Verification Manual, VM245: damping in N s/m, stiffness in N/m.
-DAMPING_N_S_PER_M, STIFFNESS_N_PER_M = 15.29e-3, 28.65e3
+PUBLISHED_DAMPING_N_S_PER_M, PUBLISHED_STIFFNESS_N_PER_M = 15.29e-3, 28.65e3
 # Air of the finite elements (DisplacementPressure_Space.py): density, sound speed, viscosity, γ,
 # heat capacity, conductivity, in SI units.
-AIR = {"density": 1.18, "sound": 345.9, "viscosity": 1.83e-5, "gamma": 1.4}
-AIR_PRESSURE_PA = AIR["density"] * AIR["sound"] ** 2 / AIR["gamma"]
-AIR_PRANDTL = AIR["viscosity"] * 1005 / 24.4e-3
+AIR_PROPERTIES = {"density": 1.18, "sound": 345.9, "viscosity": 1.83e-5, "gamma": 1.4}
+AIR_PRESSURE_PA = AIR_PROPERTIES["density"] * AIR_PROPERTIES["sound"] ** 2 / AIR_PROPERTIES["gamma"]
+AIR_PRANDTL = AIR_PROPERTIES["viscosity"] * 1005 / 24.4e-3
 # Distances from the hole's edge, in gaps, at which the pressure is prescribed: flow around the
 # edge, which no film equation has, has decayed at the second.
-HOLE_DISTANCES_IN_GAPS, RADIAL_PRESSURE_TEXT = (0, 2), "p(r), given {} gaps from the hole"
+HOLE_DISTANCES_IN_GAPS, RADIAL_PRESSURE_LABEL = (0, 2), "p(r), given {} gaps from the hole"
 REYNOLDS_VALUES, SIGMA_VALUES = (0.1, 1.0, 4.0, 10.0, 20.0, 40.0), (1.0, 10.0, 100.0, 1000.0)
-SAMPLE_REYNOLDS_AND_SIGMA = (4.0,), (1.0, 100.0)
-RESPONSE_OF_SHAPE: dict[str, Any] = {"rectangle": piston_response, "ellipse": disc_response}
+SAMPLE_REYNOLDS_SIGMA_VALUES = (4.0,), (1.0, 100.0)
+RESPONSE_FUNCTION_OF_SHAPE: dict[str, Any] = {
+    "rectangle": piston_response,
+    "ellipse": disc_response,
+}
 # Relative error of the solver's first harmonic against its own equation's.
 HARMONIC_TOLERANCE = 1e-6
 # github.com/cml-berkeley/cmlair, flow.f90: Poiseuille flow of the linearised Boltzmann equation by
 # inverse Knudsen number, of the tables in comments.
-RAREFIED_FLOW = {0.01: 3.060, 0.1: 2.033, 1.0: 1.539, 10.0: 2.768, 100.0: 17.693}
+PUBLISHED_RAREFIED_FLOW = {0.01: 3.060, 0.1: 2.033, 1.0: 1.539, 10.0: 2.768, 100.0: 17.693}
 # github.com/hannes-holey/hans, tests/inclined-slider1D_x_ideal-gas.yaml; and two widths whose
 # difference is free of the ends.
 SLIDER_GAPS_M, SLIDER_LENGTH_M, SLIDER_WIDTHS_M = (66e-6, 10e-6), 0.1, (0.5, 1.0)
@@ -65,13 +68,13 @@ COMPARISON_COLUMNS = (
     *("exact_deviation", "solver_deviation", "viscous_deviation", "status"),
 )
 
-Row = dict[str, Any]
+ComparisonRow = dict[str, Any]
 """One number: what it has of COMPARISON_COLUMNS."""
 
 
-def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
+def comparison_table(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
     """All comparisons; of depth averaging a small sample, if asked for."""
-    reynolds, sigma = SAMPLE_REYNOLDS_AND_SIGMA if sample else (REYNOLDS_VALUES, SIGMA_VALUES)
+    reynolds, sigma = SAMPLE_REYNOLDS_SIGMA_VALUES if sample else (REYNOLDS_VALUES, SIGMA_VALUES)
     rows = [
         *compare_plate(device),
         *compare_inclined_slider(device),
@@ -82,7 +85,7 @@ def published(*, sample: bool, device: Device | None = None) -> pd.DataFrame:
     return table_of_rows(rows)
 
 
-def table_of_rows(rows: Iterable[Row]) -> pd.DataFrame:
+def table_of_rows(rows: Iterable[ComparisonRow]) -> pd.DataFrame:
     """Rows as a table, NaN where a kind of value or deviation does not exist.
 
     Deviations are those of a row's numbers where nothing else is given. ``status`` is ``ok``, or
@@ -97,25 +100,34 @@ def table_of_rows(rows: Iterable[Row]) -> pd.DataFrame:
     return table.fillna({"status": "ok"})
 
 
-def compare_plate(device: Device | None = None) -> Iterator[Row]:
+def compare_plate(device: Device | None = None) -> Iterator[ComparisonRow]:
     """Linear damping and stiffness of a plate of 2 mm by 1 mm over a gap of 5 µm at 100 kHz."""
     gas = Gas(viscosity_pa_s=18.3e-6, ambient_pressure_pa=1e5, inertia="none", thermal="none")
     pad, h0_m = Pad(2e-3, 1e-3, 0.0), 5e-6
-    scene = Film(gas, Actuator(1e5, 1.0, profile=PISTON), pad).scene(h0_m, SMALL_EPSILON * h0_m)
+    scene = Film(gas, Actuator(1e5, 1.0, profile=PISTON_PROFILE), pad).scene(
+        h0_m, SMALL_EPSILON * h0_m
+    )
     response = scene.force_scale_n / h0_m * piston_response(scene.sigma, scene.aspect)
     rate = scene.actuator.angular_frequency_rad_per_s
     (outputs,) = _solved_quantities([scene], "harmonics", tolerance=1e-6, device=device)
-    row = partial(_value_row, source="ANSYS VM245", case="plate, 100 kHz", sigma=scene.sigma)
-    yield row("damping / (N s/m)", DAMPING_N_S_PER_M, response.imag / rate, outputs["film_damping"])
-    yield row("stiffness / (N/m)", STIFFNESS_N_PER_M, response.real, outputs["film_stiffness"])
+    row = partial(_comparison_row, source="ANSYS VM245", case="plate, 100 kHz", sigma=scene.sigma)
+    yield row(
+        "damping / (N s/m)",
+        PUBLISHED_DAMPING_N_S_PER_M,
+        response.imag / rate,
+        outputs["film_damping"],
+    )
+    yield row(
+        "stiffness / (N/m)", PUBLISHED_STIFFNESS_N_PER_M, response.real, outputs["film_stiffness"]
+    )
 
 
-def compare_inclined_slider(device: Device | None = None) -> Iterator[Row]:
+def compare_inclined_slider(device: Device | None = None) -> Iterator[ComparisonRow]:
     """Largest pressure, load and centre of pressure of a wide slider with a gap ratio of 6.6."""
     (wide_m, narrow_m), length_m = SLIDER_GAPS_M, SLIDER_LENGTH_M
     gas = Gas(viscosity_pa_s=1.846e-5, inertia="none", thermal="none")
     pads = [Pad(length_m, w, 50.0, gap=GapShape(narrow_m - wide_m)) for w in SLIDER_WIDTHS_M]
-    films = [Film(gas, Actuator(1e3, 1.0, profile=PISTON), pad) for pad in pads]
+    films = [Film(gas, Actuator(1e3, 1.0, profile=PISTON_PROFILE), pad) for pad in pads]
     scenes = [film.scene((wide_m + narrow_m) / 2, 0.0) for film in films]
     one, other = _solved_quantities(scenes, "moments", "extremes", tolerance=1e-7, device=device)
     p0_pa, force_n = gas.ambient_pressure_pa, other["force"] - one["force"]
@@ -125,29 +137,33 @@ def compare_inclined_slider(device: Device | None = None) -> Iterator[Row]:
         0.5 - (other["moment_y"] - one["moment_y"]) / force_n / length_m,
     )
     stored = pd.read_csv(PUBLISHED_FOLDER / "slider.csv", comment="#")
-    cells = slider.slider_of_cells(stored["x"].to_numpy(), stored["pressure_pa"].to_numpy() / p0_pa)
+    cells = slider.slider_quantities_of_cells(
+        stored["x"].to_numpy(), stored["pressure_pa"].to_numpy() / p0_pa
+    )
     names = "largest pressure / p0", "load / (p0 area)", "centre of pressure / length"
-    for numbers in zip(names, cells, slider.exact_slider(scenes[1]), ours, strict=True):
-        yield _value_row(*numbers, source="hans (Holey)", case="inclined slider, Λ 54.66")
+    for numbers in zip(names, cells, slider.exact_slider_quantities(scenes[1]), ours, strict=True):
+        yield _comparison_row(*numbers, source="hans (Holey)", case="inclined slider, Λ 54.66")
 
 
-def compare_rarefied_flow() -> Iterator[Row]:
+def compare_rarefied_flow() -> Iterator[ComparisonRow]:
     """Poiseuille flow of a rarefied gas; the solver's is what its flow factor interpolates."""
-    row = partial(_value_row, "Poiseuille flow", source="cmlair (CML Berkeley)")
-    for inverse, flow in RAREFIED_FLOW.items():
+    row = partial(_comparison_row, "Poiseuille flow", source="cmlair (CML Berkeley)")
+    for inverse, flow in PUBLISHED_RAREFIED_FLOW.items():
         ours = inverse / 6 + float(slip_flow(inverse))
         yield row(flow, poiseuille_flow(inverse), ours, case=f"rarefied gas, D {inverse:g}")
 
 
-def compare_radial_films() -> Iterator[Row]:
+def compare_radial_films() -> Iterator[ComparisonRow]:
     """Pressure behind membranes and plates around a hole, their motion and one pressure given."""
     stored = pd.read_csv(PUBLISHED_FOLDER / "radial_films.csv", comment="#")
     for _, nodes in stored.groupby(["plate", "gap_m", "frequency_hz"]):
         kind, frequency_hz, hole_m, gap_m = nodes.iloc[0, :4]
-        omega, viscosity = 2 * pi * frequency_hz, AIR["viscosity"]
-        reynolds = AIR["density"] * omega * gap_m**2 / viscosity
+        omega, viscosity = 2 * pi * frequency_hz, AIR_PROPERTIES["viscosity"]
+        reynolds = AIR_PROPERTIES["density"] * omega * gap_m**2 / viscosity
         squeeze = 12 * viscosity * omega / (AIR_PRESSURE_PA * gap_m**2)
-        resolved = exact_factors(reynolds, prandtl=AIR_PRANDTL, heat_capacity_ratio=AIR["gamma"])
+        resolved = exact_factors(
+            reynolds, prandtl=AIR_PRANDTL, heat_capacity_ratio=AIR_PROPERTIES["gamma"]
+        )
         for distance in HOLE_DISTANCES_IN_GAPS:
             away = nodes["r_m"] >= hole_m * (1 - 1e-9) + distance * gap_m
             r_m, xi_real, xi_imag, p_real, p_imag = nodes.loc[away, "r_m":].to_numpy().T
@@ -157,14 +173,14 @@ def compare_radial_films() -> Iterator[Row]:
             )
             pressures = [
                 radial_pressure(r_m, motion, pressure[0], squeeze=squeeze, factors=factors)
-                for factors in (resolved, VISCOUS)
+                for factors in (resolved, VISCOUS_FACTORS)
             ]
             deviation = np.linalg.norm(np.array(pressures) - pressure, axis=1)
             deviation /= np.linalg.norm(pressure)
             yield dict(
                 source="Honzík et al.",
                 case=f"{kind}, {1e6 * gap_m:.0f} µm, {1e-3 * frequency_hz:.0f} kHz",
-                quantity=RADIAL_PRESSURE_TEXT.format(distance),
+                quantity=RADIAL_PRESSURE_LABEL.format(distance),
                 modified_reynolds=reynolds,
                 exact_deviation=deviation[0],
                 viscous_deviation=deviation[1],
@@ -173,15 +189,21 @@ def compare_radial_films() -> Iterator[Row]:
 
 def compare_depth_averaging(
     reynolds: Sequence[float], sigma: Sequence[float], device: Device | None = None
-) -> Iterator[Row]:
+) -> Iterator[ComparisonRow]:
     """First harmonic of a piston's force by the solver, with inertia, then thermal effects too.
 
     Of a square, then of a disc; without the solver's where that is not converged. Raises RunError
     where there is none for another reason, or one that is not that of the parabolic profiles.
     """
-    for shape, thermal, re, s in product(RESPONSE_OF_SHAPE, ("none", "included"), reynolds, sigma):
-        scene = film("", SMALL_EPSILON, s, profile=PISTON, reynolds=re, shape=shape)
-        scene, response, status = scene.with_gas(thermal=thermal), RESPONSE_OF_SHAPE[shape], "ok"
+    for shape, thermal, re, s in product(
+        RESPONSE_FUNCTION_OF_SHAPE, ("none", "included"), reynolds, sigma
+    ):
+        scene = film_scene("", SMALL_EPSILON, s, profile=PISTON_PROFILE, reynolds=re, shape=shape)
+        scene, response, status = (
+            scene.with_gas(thermal=thermal),
+            RESPONSE_FUNCTION_OF_SHAPE[shape],
+            "ok",
+        )
         try:
             (outputs,) = _solved_quantities([scene], "harmonics", tolerance=1e-5, device=device)
         except RunError as error:
@@ -212,7 +234,9 @@ def compare_depth_averaging(
         )
 
 
-def _value_row(quantity: str, published: float, exact: float, solver: float, **row: Any) -> Row:
+def _comparison_row(
+    quantity: str, published: float, exact: float, solver: float, **row: Any
+) -> ComparisonRow:
     return dict(quantity=quantity, published=published, exact=exact, solver=solver, **row)
 
 

@@ -21,7 +21,7 @@ from scipy.special import ive
 
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 
-SERIES_WAVE_COUNT = 2000
+MAX_SERIES_WAVE_NUMBER = 2000
 """Of a piston's motion along a side: what is cut off is 1e-11 of the force."""
 
 
@@ -32,18 +32,18 @@ class FilmFactors(NamedTuple):
     density: complex = 1.0
 
 
-VISCOUS = FilmFactors()
+VISCOUS_FACTORS = FilmFactors()
 
 
 def exact_factors(reynolds: float, *, prandtl: float, heat_capacity_ratio: float) -> FilmFactors:
     """A and B with the exact profiles, Re = ρ0 ω h0²/μ above 0; Pr = 0 for an isothermal gas."""
 
-    def mean(q: complex) -> complex:
+    def mean_over_gap(q: complex) -> complex:
         return 1 - np.tanh(q) / q if q else 0.0
 
     inertia, thermal = 1j * reynolds, 1j * prandtl * reynolds
-    warming = (1 - 1 / heat_capacity_ratio) * mean(np.sqrt(thermal) / 2)
-    return FilmFactors(12 / inertia * mean(np.sqrt(inertia) / 2), 1 - warming)
+    warming = (1 - 1 / heat_capacity_ratio) * mean_over_gap(np.sqrt(thermal) / 2)
+    return FilmFactors(12 / inertia * mean_over_gap(np.sqrt(inertia) / 2), 1 - warming)
 
 
 def depth_averaged_factors(
@@ -57,7 +57,9 @@ def depth_averaged_factors(
     )
 
 
-def piston_response(sigma: float, aspect: float = 1.0, factors: FilmFactors = VISCOUS) -> complex:
+def piston_response(
+    sigma: float, aspect: float = 1.0, factors: FilmFactors = VISCOUS_FACTORS
+) -> complex:
     """S + iD of a rectangular piston, whose force is −p0 A ε (S sin T + D cos T).
 
     Blech's double series (J. Lubr. Technol. 105, 1983) with the factors, summed along the second
@@ -67,14 +69,14 @@ def piston_response(sigma: float, aspect: float = 1.0, factors: FilmFactors = VI
 
     b being the aspect; they fall as 1/m⁴.
     """
-    m = np.arange(1, SERIES_WAVE_COUNT, 2)
+    m = np.arange(1, MAX_SERIES_WAVE_NUMBER, 2)
     q = np.sqrt((pi * m) ** 2 + 1j * sigma * factors.density / factors.flow)
     half = q * aspect / 2
     parts = 8 / (pi * m) ** 2 * (1j * sigma / (factors.flow * q**2)) * (1 - np.tanh(half) / half)
     return complex(parts.sum())
 
 
-def disc_response(sigma: float, factors: FilmFactors = VISCOUS) -> complex:
+def disc_response(sigma: float, factors: FilmFactors = VISCOUS_FACTORS) -> complex:
     """S + iD of a circular piston, as ``piston_response``; σ is of the diameter.
 
     The pressure is a Bessel function, 1 − I0(2 κ r)/I0(κ) over −B with κ² = iσB/(4A), r up to 1/2.

@@ -21,13 +21,13 @@ The centre is counted from the end where the surface enters.
 """
 
 
-def slider_of_cells(x: np.ndarray, pressure: np.ndarray) -> PressureLoadAndCentre:
+def slider_quantities_of_cells(x: np.ndarray, pressure: np.ndarray) -> PressureLoadAndCentre:
     """Largest pressure, load and centre of pressures over p0 in equal cells along the length."""
     load = np.mean(pressure - 1)
     return float(pressure.max()), float(load), float(np.mean(x * (pressure - 1)) / load)
 
 
-def exact_slider(scene: Scene) -> PressureLoadAndCentre:
+def exact_slider_quantities(scene: Scene) -> PressureLoadAndCentre:
     """Largest pressure, load and centre of a scene's gap at rest along x, its speed and gas.
 
     Raises RunError where the boundary-value problem is not solved.
