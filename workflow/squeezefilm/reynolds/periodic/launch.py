@@ -20,6 +20,7 @@ from squeezefilm.reynolds.device import (
     compiled_kernel,
     run_kernel,
 )
+from squeezefilm.reynolds.error_estimate import resolved_change
 from squeezefilm.reynolds.grid import (
     INTERPOLATION_MATRIX_NAMES,
     Grid,
@@ -75,11 +76,12 @@ STATUS_OF_ENDING_NAME = {
 }
 STATUS_TEXTS = tuple(STATUS_OF_ENDING_NAME.values())
 
-# What the device says of a scene on a grid beside its gauge pressure: a row of its results.
+# What the device says of a scene on a grid beside its gauge pressure: a row of its results. The
+# host adds what of a change the grids resolve.
 RESULT_DTYPE = np.dtype(
     [
         *((name, np.float64) for name in ("mean", "residual", "largest", "lowest")),
-        *((name, np.float64) for name in ("moment", "size")),
+        *((name, np.float64) for name in ("moment", "size", "resolved")),
         *((name, np.int64) for name in ("status", "newton_steps", "krylov_iterations")),
     ]
 )
@@ -326,13 +328,18 @@ class Launch:
         for batch, spans in zip(self.batches, self.result_spans, strict=True):
             count, stages = len(batch.scenes), len(batch.grids)
             of_batch = []
+            mean_pressures: list[tuple[Grid, np.ndarray]] = []
             for stage, (grid, span) in enumerate(zip(batch.grids, spans.tolist(), strict=True)):
-                _, _, state, size = span
+                begin, means_size, state, size = span
                 unknowns = self.host_results[state : state + count * size]
                 of_scenes = rows_of_results[first + stage : first + count * stages : stages]
+                means = self.host_results[begin : begin + count * means_size]
+                mean_pressures.append((grid, means.reshape(count, grid.nx, grid.ny)))
                 of_batch.append(
                     PeriodicStates(grid, unknowns.reshape(count, -1, *grid.shape), of_scenes)
                 )
+            if stages > 1 and have_velocity_terms(batch.terms):
+                of_scenes["resolved"] = resolved_change(*mean_pressures[-2:])
             states.append(of_batch)
             first += count * stages
         return states
