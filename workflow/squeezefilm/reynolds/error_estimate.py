@@ -123,7 +123,7 @@ def resolved_change(before: tuple[Grid, np.ndarray], after: tuple[Grid, np.ndarr
     (coarse, means_before), (fine, means) = before, after
     _, to_fine_x, to_fine_y = interpolation_matrices(coarse, fine, terms=()).values()
     count_x, count_y = (ceil(RESOLVED_MODES_FRACTION * count) for count in (coarse.nx, coarse.ny))
-    to_modes_x, to_modes_y = fine.x.modes[2][:count_x], fine.y.modes[2][:count_y]
+    to_modes_x, to_modes_y = fine.x.eigenmodes[2][:count_x], fine.y.eigenmodes[2][:count_y]
     with np.errstate(invalid="ignore", over="ignore"):  # where there is no state
         change = to_fine_x @ means_before @ to_fine_y.T - means
         return np.asarray(np.linalg.norm(to_modes_x @ change @ to_modes_y.T, axis=(1, 2)))
