@@ -1,6 +1,7 @@
 """The gap under a load against the solver's own forces, and mistakes told."""
 
 import re
+from contextlib import suppress
 from dataclasses import replace
 from math import pi
 
@@ -13,8 +14,10 @@ from ring_down import RingDown
 from scipy.optimize import newton
 from test_slow_film import disc_stiffness
 
+from squeezefilm.api.film import Film
 from squeezefilm.cli.main import main
 from squeezefilm.dynamics.levitation import OVERDAMPED_STATUS, levitate, resonance
+from squeezefilm.errors import RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 
@@ -229,15 +232,55 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
     )
 
 
-def test_the_range_of_loads_that_is_named_can_be_levitated(tmp_path, capsys):
-    """Rising, and by the limits of the terms that the film has there."""
-    assert main(["levitate", "--mass", "10g", "--hv", "3um", "--config", study(tmp_path, **DISC)])
-    low, high = map(
-        float, re.findall(r"loads of about (\S+) to (\S+) N", capsys.readouterr().err)[0]
-    )
-    assert low < high
-    table = levitated(tmp_path, "--load", f"{low}N,{high}N", "--hv", "3um", **DISC)
-    assert not table["status"].str.contains("is above").any(), table["status"].tolist()
+SMALL_DISC = {
+    "gas": {},
+    "actuator": {"frequency": 20e3, "surface_radius": 0.015, "profile": {"kind": "piston"}},
+    "pad": {"shape": "circle", "diameter": 0.02},
+}
+
+
+@pytest.mark.parametrize(
+    ("hv_m", "loads_n"), [(2e-6, (0.08, 0.09, 0.13, 0.15, 60.0)), (4e-6, (0.4, 0.6, 2.0))]
+)
+def test_a_force_at_the_gap_that_is_given_has_its_terms_and_is_within_limits(
+    tmp_path, hv_m, loads_n
+):
+    """Up to Re 10 with thermal effects, which change their sign there, and to Re 20 without."""
+    film = Film.read(study(tmp_path, **SMALL_DISC))
+    scene, how = film.scene(h0=1e-3, hv=hv_m), SETTINGS | {"tolerance": 1e-4}
+    given = []
+    for load_n in loads_n:
+        with suppress(RunError):
+            given.append(levitate(scene, load_n=load_n, **how))
+    assert len(given) > 1
+    for found in given:
+        force = film.force(h0=found.scene.h0_m, hv=hv_m)
+        assert force.validity == "ok"
+        assert force.scene.gas == found.scene.gas
+        error_n = found.h0_error_m * found.stiffness_n_per_m + force.error_n
+        assert force.force_n == pytest.approx(found.force_n, abs=error_n)
+
+
+@pytest.mark.parametrize(
+    ("words", "sections"), [(["10g", "3um"], DISC), (["5g", "2um"], SMALL_DISC)]
+)
+def test_loads_are_levitated_within_the_ranges_named_and_not_beside_them(
+    tmp_path, capsys, words, sections
+):
+    """Rising gaps, and by the limits of the terms that the film has there."""
+    mass, hv = words
+    command = ["levitate", "--mass", mass, "--hv", hv, "--config", study(tmp_path, **sections)]
+    assert main(command) == 1
+    named = re.findall(r"loads of about (\S+) to ([^\s,]+) N", capsys.readouterr().err)
+    ranges = [(float(low), float(high)) for low, high in named]
+    assert ranges
+    assert all(low < high for low, high in ranges)
+    inside = [load for low, high in ranges for load in (1.01 * low, (low * high) ** 0.5)]
+    beside = [0.9 * ranges[-1][0], *(1.05 * high for _, high in ranges[1:])]
+    loads = ",".join(f"{load:.5g}N" for load in [*inside, *beside])
+    table = levitated(tmp_path, "--load", loads, "--hv", hv, **sections)
+    refused = table["status"].str.contains("is above").tolist()
+    assert refused == [False] * len(inside) + [True] * len(beside), table["status"].tolist()
 
 
 def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(tmp_path):
