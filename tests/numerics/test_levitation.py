@@ -161,6 +161,13 @@ def study(tmp_path, **sections) -> str:
     return str(path)
 
 
+SMALL_DISC = {
+    "gas": {},
+    "actuator": {"frequency": 20e3, "surface_radius": 0.015, "profile": {"kind": "piston"}},
+    "pad": {"shape": "circle", "diameter": 0.02},
+}
+
+
 def levitated(tmp_path, *words: str, **sections) -> pd.DataFrame:
     output = tmp_path / "levitation.csv"
     words = [*words, "--config", study(tmp_path, **sections), "--output", str(output)]
@@ -175,6 +182,15 @@ def test_a_floating_part_oscillates_at_the_root_of_its_equation_of_motion(tmp_pa
     assert row["h0_m"] == pytest.approx(9.572e-6, rel=1e-4)
     assert row["resonance_hz"] == pytest.approx(217.2, rel=1e-3)
     assert row["damping_ratio"] == pytest.approx(0.604, rel=1e-3)
+
+
+def test_a_resonance_with_an_error_as_large_as_itself_is_not_known(tmp_path, capsys):
+    words = ["levitate", "--mass", "20g", "--hv", "3um", "--config", study(tmp_path, **SMALL_DISC)]
+    assert main(words) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"resonance +below about \d+ Hz \(error as large as the value\)", shown)
+    assert re.search(r"note +resonance not known: its error is as large as its value", shown)
+    assert re.search(r"static stiffness .* kN/m \(without the modelling error\)", shown)
 
 
 def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_path):
@@ -230,13 +246,6 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
     assert all(
         reason in said.err for reason in [*reasons, "limits of validity hold for gaps of about"]
     )
-
-
-SMALL_DISC = {
-    "gas": {},
-    "actuator": {"frequency": 20e3, "surface_radius": 0.015, "profile": {"kind": "piston"}},
-    "pad": {"shape": "circle", "diameter": 0.02},
-}
 
 
 @pytest.mark.parametrize(

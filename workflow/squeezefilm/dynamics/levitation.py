@@ -43,6 +43,7 @@ from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import validity_notes
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from squeezefilm.tables import read_forces
+from squeezefilm.units import round_up_error
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
 # ratios.
@@ -437,7 +438,7 @@ class Resonance(NamedTuple):
         frequency_error_hz: by the averaged film, at the gap given.
         damping_ratio: ζ = −Re s/|s|, 1 for critical damping; NaN as the frequency.
         damping_ratio_error: likewise.
-        reason: why there is none or none is known; empty where there is one.
+        reason: why there is none, none is known, or no more than a bound; empty where there is one.
     """
 
     frequency_hz: float = nan
@@ -499,12 +500,15 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     error = scale * _stiffness_error(film, scene, root, lag, slow / scale)
     error += levitation.stiffness_error_n_per_m / unit
     moved += error / abs(slope)
-    return Resonance(
+    found = Resonance(
         frequency_hz=root.imag * scene.actuator.frequency_hz,
         frequency_error_hz=moved * scene.actuator.frequency_hz,
         damping_ratio=-root.real / abs(root),
         damping_ratio_error=moved / abs(root),
     )
+    if round_up_error(found.frequency_error_hz) < found.frequency_hz:
+        return found
+    return found._replace(reason="resonance not known: its error is as large as its value")
 
 
 def _motion_root_and_slope(
