@@ -270,6 +270,19 @@ def test_a_force_at_the_gap_that_is_given_has_its_terms_and_is_within_limits(
         assert force.force_n == pytest.approx(found.force_n, abs=error_n)
 
 
+def test_where_no_gap_has_the_terms_decided_there_the_larger_equation_is_taken(tmp_path):
+    """Thermal effects lower the gap to one at which they are just negligible, and back."""
+    film = Film.read(study(tmp_path, **SMALL_DISC))
+    how = SETTINGS | {"tolerance": 1e-4}
+    found = levitate(film.scene(h0=1e-3, hv=2e-6), load_n=8.3768, **how)
+    assert found.scene.gas.thermal == "included"
+    (note,) = found.notes
+    assert note.startswith("gas.thermal is auto and included, though")
+    force = film.force(h0=found.scene.h0_m, hv=2e-6)
+    assert force.scene.gas.thermal == "none"
+    assert force.force_n == pytest.approx(found.force_n, rel=how["model_tolerance"])
+
+
 @pytest.mark.parametrize(
     ("words", "sections"), [(["10g", "3um"], DISC), (["5g", "2um"], SMALL_DISC)]
 )
