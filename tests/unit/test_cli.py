@@ -59,6 +59,11 @@ def test_an_option_in_capitals_is_answered_with_the_small_one(capsys):
         ("simulate --position 1mm --h0 5um", "'--position'; did you mean '--x' or '--y'?"),
         ("levitate --weight 1N --hv 2um", "'--weight'; did you mean '--load' or '--mass'?"),
         ("amplitude-for FIT.json --load 1N", "'--load'; did you mean '--force'?"),
+        (
+            "levitate --load 1N --hv 2um --outputs power",
+            "'--outputs'; `squeezefilm simulate --outputs` computes further quantities at a given "
+            "gap;",
+        ),
     ],
 )
 def test_an_option_by_another_name_is_answered_with_its_own(words, hint, capsys):

@@ -80,7 +80,7 @@ def plot(options: argparse.Namespace) -> None:
         figures |= point.load()
     place = options.figure if "/" in options.figure else f"figures/{options.figure}"
     if place not in figures:
-        known = ", ".join(name.removeprefix("figures/") for name in figures)
+        known = ", ".join(sorted(name.removeprefix("figures/") for name in figures))
         raise InputError(f"there is no figure {options.figure!r}; the figures are {known}")
     draw_and_save(
         figures[place], Results.of_folder(options.results, options.config), options.output

@@ -81,7 +81,10 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     varied = [name for name in factors if counts[name] > 1]
     known = table[table[result.result_column].notna()]
     error = known[[name for name in result.error_columns if name in table]].sum(axis=1)
-    known = known.assign(error=error, within=known.get("validity", OK) == OK)
+    within = known.get("validity", pd.Series(OK, known.index)) == OK
+    bounds = [name for name in result.modelling_error_columns if name in table]
+    unknown = known[bounds].isna().any(axis=1)
+    known = known.assign(error=error, filled=within & ~unknown)
     at_one = [name for name in factors if counts[name] == 1]
     title = [_factor_value_text(name, known[name].iloc[0]) for name in at_one if len(known)]
     title += [] if {*factors} & {*POSITION_COLUMNS} else ["pad centred"]
@@ -91,8 +94,10 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     else:
         figure, *notes = _draw_lines(table, known, result, counts, varied)
     figure.axes[0].set_title(", ".join(title), fontsize=7)
-    if not known["within"].all():
-        notes.append("Hollow: outside the limits of validity.")
+    reasons = ["outside the limits of validity"] * (not within.all())
+    reasons += ["modelling error unknown"] * bool(unknown.any())
+    if reasons:
+        notes.append(f"Hollow: {' or '.join(reasons)}.")
     if without := len(table) - len(known):
         notes.append(f"Without a result: {without} of {len(table)} points; status has the reason.")
     style.add_note(figure, *notes)
@@ -149,9 +154,9 @@ def _draw_lines(
             error = rows["error"] if name == result.result_column else rows[error_column(name)]
             value = column.in_shown_unit(rows[name])
             axes.errorbar(at, value, column.in_shown_unit(error), **look, label=label)
-            outside = ~rows["within"]
+            doubtful = ~rows["filled"]
             hollow = look | {"linestyle": "", "markerfacecolor": "white", "zorder": 3}
-            axes.plot(at[outside], value[outside], **hollow)
+            axes.plot(at[doubtful], value[doubtful], **hollow)
             label = ""
         if bounds:
             low, high = (
@@ -167,7 +172,11 @@ def _draw_lines(
         top.plot(missing, np.zeros(len(missing)), "x", color="0.3", **below)
     if others:
         figure.legend(loc="outside upper center", ncols=3)
-    return figure, _error_bars_text(known, result) + (" Bands: modelling error." if bounds else "")
+    notes = [_error_bars_text(known, result)]
+    if "resonance_hz" in panels:
+        notes += ["Bars of the resonance: averaging, thermal effects and inertia."]
+    notes += ["Bands: modelling error."] * bool(bounds)
+    return figure, " ".join(notes)
 
 
 def _error_bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
@@ -190,15 +199,15 @@ def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> 
     dots = pd.DataFrame(
         {"x": 1e3 * x_m, "y": 1e3 * y_m, "value": column.in_shown_unit(known[result.result_column])}
     )
-    dots = dots.assign(within=known["within"]).round({"x": 9, "y": 9}).drop_duplicates(["x", "y"])
+    dots = dots.assign(filled=known["filled"]).round({"x": 9, "y": 9}).drop_duplicates(["x", "y"])
     figure, axes = style.subplots(height_in=3.2)
     try:
         drawn = axes.tricontourf(dots["x"], dots["y"], dots["value"], levels=14)
     except (ValueError, RuntimeError):
         raise InputError("the positions lie on a line, or are fewer than three: no map") from None
-    for within, fill in ((True, "black"), (False, "white")):
+    for filled, fill in ((True, "black"), (False, "white")):
         parts.draw_dots(
-            axes, dots[dots["within"] == within], fill=fill, x="x", y="y", markersize=2.6
+            axes, dots[dots["filled"] == filled], fill=fill, x="x", y="y", markersize=2.6
         )
     axes.set(aspect="equal", xlabel=_axis_label("x_m"), ylabel=_axis_label("y_m"))
     figure.colorbar(
