@@ -231,7 +231,7 @@ def limit_tables(space):
 
 def candidates(space):
     """The models that are compared in a space beside its own, of which there is a fit already."""
-    return [model for model in CONFIG.comparison.of(space) if model != space]
+    return [model for model in CONFIG.comparison.names_of_space(space) if model != space]
 
 
 def candidate_files(space):
@@ -241,7 +241,7 @@ def candidate_files(space):
 
 def refined_files(space):
     """All that the refinement of a space's models leaves."""
-    models = CONFIG.refine.of(space)
+    models = CONFIG.refine.names_of_space(space)
     return expand(f"<results>/refine/{space}/{{model}}/{{name}}", model=models, name=REFINED)
 
 
