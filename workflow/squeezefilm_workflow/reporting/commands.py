@@ -60,7 +60,13 @@ def plot(options: argparse.Namespace) -> None:
     if options.figure.endswith(tables):
         from squeezefilm_workflow.reporting.figures.curve import curve_figure
 
-        return _save_figure_of_table(options.figure, ("h0_m", "hv_m"), curve_figure, options.output)
+        return _save_figure_of_table(
+            options.figure,
+            columns=("h0_m", "hv_m"),
+            optional=FACTOR_COLUMNS,
+            draw=curve_figure,
+            output=options.output,
+        )
     if options.figure == "profile" and options.results and options.results.suffix in tables:
         from squeezefilm_workflow.reporting.figures.maps import (
             VIBRATION_PROFILE_COLUMNS,
@@ -68,7 +74,10 @@ def plot(options: argparse.Namespace) -> None:
         )
 
         return _save_figure_of_table(
-            options.results, VIBRATION_PROFILE_COLUMNS, draw_profile_table, options.output
+            options.results,
+            columns=VIBRATION_PROFILE_COLUMNS,
+            draw=draw_profile_table,
+            output=options.output,
         )
     check_formats(options.output, (*PICTURE_SUFFIXES, ".csv"))
     if options.results is None:
@@ -87,14 +96,16 @@ def plot(options: argparse.Namespace) -> None:
 
 def _save_figure_of_table(
     path: Path | str,
+    *,
     columns: Sequence[str],
+    optional: Sequence[str] = (),
     draw: Callable[[pd.DataFrame], Figure],
     output: Sequence[Path],
 ) -> None:
     from squeezefilm_workflow.reporting.figures import style
 
     check_formats(output, PICTURE_SUFFIXES)
-    table = read_columns(path, columns=columns, optional=FACTOR_COLUMNS)
+    table = read_columns(path, columns=columns, optional=optional)
     with style.figure_style(), prefix_errors(path):
         style.save_figure(draw(table), output)
 
