@@ -147,8 +147,9 @@ def recommend(options: argparse.Namespace) -> None:
 
     The amplitude gives the study's target force at its gap (section `extrapolation`), its errors
     are those of `squeezefilm amplitude-for`. The study's candidates must be compared (`snakemake
-    models`). The screen shows the positions with the least and the largest amplitude, errors in per
-    cent, and the fit's file for `squeezefilm amplitude-for`; --output has all, and fractions.
+    models`). The screen shows those of the plan's positions with the least and the largest
+    amplitude; between them it may be larger. Errors are in per cent; the fit's file is for
+    `squeezefilm amplitude-for`. --output has all positions, and errors as fractions.
     """
     from squeezefilm_workflow.reporting.models import recommendation_table
 
