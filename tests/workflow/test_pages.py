@@ -144,6 +144,31 @@ def test_the_summary_says_what_how_accurate_and_where_it_differs(study):
     assert "undecided with 12 of the paper's 60 screen points |" in summary
 
 
+def test_the_summary_counts_points_of_a_sample_that_have_no_force(study, tmp_path):
+    sample = "simulations/validation_four_factor/forces.csv"
+    unsolved = {"status": "not converged", "force_n": None, "force_error_n": None, "method": None}
+    results = study.changed(
+        tmp_path,
+        sample,
+        lambda table: table.assign(
+            **{name: table[name].where(table.index != 3, value) for name, value in unsolved.items()}
+        ),
+    )
+    plans = ["screen", "validation_four_factor"]
+    about = {"fits": ["screen"], "pairs": ["two_factor_design_on_screen"]}
+    values = summary_values(results, plans=plans, **about)
+    count = len(pd.read_csv(study.root / sample))
+    assert values["total"] == 12 + count
+    assert values["plans"]["simulations"].tolist() == ["12", str(count)]
+
+
+def test_the_summary_lists_every_plan_that_its_errors_are_measured_on(finished):
+    page = (finished.folder / "results/quick/report/summary.html").read_text(encoding="utf-8")
+    plans = page.partition("in these plans")[2].partition("</table>")[0]
+    for plan in ("screen", "four_factor", "validation_two_factor", "validation_four_factor"):
+        assert f"<td>{plan}</td>" in plans
+
+
 RECOMMENDED = """\
 space,model,parameters,validation_points,validation_error,simulations,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
 hv_error_95_m,error_95_percent,note
@@ -169,6 +194,7 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     assert text.index("limit_1, global error") < text.index("**Fit.**")  # the paper's formula last
     assert "| limit_1 | 0 | 0 | 1.334 | 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
+    assert "Positions are those of the plan; on a wave include a node line." in text
     assert "−2 to +11 % of the force, by neglected effects, solved for together" in text
 
 

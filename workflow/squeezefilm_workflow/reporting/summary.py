@@ -13,6 +13,7 @@ from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import column_label
 from squeezefilm.provenance import provenance_record
+from squeezefilm.tables import read_forces
 from squeezefilm.units import error_text, value_and_error_texts
 from squeezefilm_workflow.reporting.notes import (
     CLAIM_COLUMNS_SHOWN,
@@ -59,7 +60,10 @@ def summary_values(
     Raises InputError for a result that is missing or lacks what it must have.
     """
     config = results.config
-    tables = {plan: results.forces(plan) for plan in plans}
+    # Points of a validation sample may have no force.
+    tables = {
+        plan: read_forces(results.folder / f"simulations/{plan}/forces.csv") for plan in plans
+    }
     sections = config.sections_as_dict("gas", "actuator", "pad", "solver")
     settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting_text)
     on_disc = find_position_columns(next(iter(tables.values()))) == POLAR_COLUMNS
@@ -76,7 +80,9 @@ def summary_values(
         "settings": settings.rename_axis("setting").reset_index(name="value"),
         "tolerance": f"{config.solver.tolerance:g}",
         "largest_error": max(map(max_simulation_error_fraction, tables.values())),
-        "methods": sorted({method for table in tables.values() for method in table["method"]}),
+        "methods": sorted(
+            {method for table in tables.values() for method in table["method"].dropna()}
+        ),
         "device": results.read_json_file("simulations/device.json").get("device", "unknown"),
         "profile_uncertainty": max(results.fit(fit).profile_uncertainty for fit in fits),
         "errors": pd.DataFrame(
