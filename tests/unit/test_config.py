@@ -90,7 +90,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("density: 1.204 kg/m³", "name: argon", "argon at 293.15 K, 2.231e-05; of another gas give d"),
     ("stop: 2 µm", "stop: 5 µm", "hv = 5 µm reaches h0 = 5 µm: surface and pad touch"),
     ("h0: {levels: 41}", "h0: {stop: 12 µm}", "error_map.h0.stop: 1.2e-05 does not suit screen.h0"),
-    ("2.9 mm]", "3.1 mm]", "off the actuator's disc of radius 10.00 mm"),
+    ("2.9 mm]", "3.1 mm]", "off the actuator's disc of radius 10 mm"),
     (SINC, "kind: formula, expression: open('x')", "actuator.profile.expression: column 1"),
 ]
 

@@ -162,6 +162,13 @@ def test_the_summary_counts_points_of_a_sample_that_have_no_force(study, tmp_pat
     assert values["plans"]["simulations"].tolist() == ["12", str(count)]
 
 
+def test_the_links_of_the_summary_lead_to_pages_of_the_study(finished):
+    page = finished.folder / "results/quick/report/summary.html"
+    links = re.findall('href="(.*?)"', page.read_text(encoding="utf-8"))
+    assert {"../explorer.html", "claims.html"} <= {*links}
+    assert all((page.parent / link).is_file() for link in links if not link.startswith("data:"))
+
+
 def test_the_summary_lists_every_plan_that_its_errors_are_measured_on(finished):
     page = (finished.folder / "results/quick/report/summary.html").read_text(encoding="utf-8")
     plans = page.partition("in these plans")[2].partition("</table>")[0]
@@ -195,7 +202,9 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     assert "| limit_1 | 0 | 0 | 1.334 | 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
     assert "Positions are those of the plan; on a wave include a node line." in text
-    assert "−2 to +11 % of the force, by neglected effects, solved for together" in text
+    bounds = "−1.2…+0.5 % (h0 = 5 µm) to −2…+11 % (h0 = 6 µm)"
+    assert f"{bounds} of the force, by neglected effects, solved for together" in text
+    assert ", with 1.1 times the screen's largest amplitude" in text
 
 
 def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repository, tmp_path):
@@ -210,7 +219,8 @@ def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repo
     fits = json.loads(re.search(r'id="data">(.*?)</script>', page)[1])["fits"]
     names = ["limit_2 on four_factor", "limit_1 on two_factor", "screen"]
     assert [each["name"] for each in fits] == names
-    assert [each["label"].endswith(", best") for each in fits] == [True, True, False]
+    assert "neglected effects\nadd +0.22…+0.53 % (h0 = 5 µm) to " in page
+    assert [each["label"].endswith(", best)") for each in fits] == [True, True, False]
 
 
 def test_models_and_forces_are_on_the_page_to_the_last_digit(study):

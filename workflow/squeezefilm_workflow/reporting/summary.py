@@ -115,6 +115,7 @@ def headline_values(results: Results) -> dict[str, Any]:
     return {
         "study": config.study,
         "point": point,
+        "amplitude_ratio": round(point["hv_m"] / config.screen.hv_m.stop, 6),
         "force": "{} N ± {} N".format(
             *value_and_error_texts(point["force_n"], point["force_error_n"])
         ),
@@ -133,7 +134,7 @@ def headline_values(results: Results) -> dict[str, Any]:
         "measured": config.measurements and results.read_json_file("measurements/summary.json"),
         "amplitudes": _amplitude_rows,
         "target": config.extrapolation,
-        "neglected": _modelling_error_texts(results),
+        "modelling_error": modelling_error_text(results),
         "beyond": results.validity_note,
     }
 
@@ -166,13 +167,21 @@ def _position_texts(table: pd.DataFrame) -> dict[str, pd.Series]:
     }
 
 
-def _modelling_error_texts(results: Results) -> dict[str, Any] | None:
-    """Return the bounds of the modelling error over the screen; None where they are not known."""
+def modelling_error_text(results: Results) -> str:
+    """Return the bounds of the modelling error at the screen's least and largest gap.
+
+    Over all amplitudes of the screen; an empty text where they are not known.
+    """
     table = results.budget("screen")
-    ends = table[MODELLING_ERROR_COLUMNS].to_numpy(dtype=float)
-    if not np.isfinite(ends).all():
-        return None
-    return {"lower": signed_text(ends.min()), "upper": signed_text(ends.max())}
+    if not np.isfinite(table[MODELLING_ERROR_COLUMNS].to_numpy(dtype=float)).all():
+        return ""
+    lower, upper = MODELLING_ERROR_COLUMNS
+    bounds = table.groupby("h0_m").agg({lower: "min", upper: "max"}).iloc[[0, -1]]
+    ends = {
+        f"{signed_text(low)}…{signed_text(high)} % (h0 = {1e6 * h0_m:g} µm)": None
+        for h0_m, low, high in bounds.itertuples()
+    }
+    return " to ".join(ends)
 
 
 def _effect_rows(results: Results) -> pd.DataFrame:
