@@ -56,7 +56,7 @@ def claims() -> list[str]:
     agreeing = dict.fromkeys(rows, 0)
     for each in claims:
         agrees = ours[each["claim_id"], "verdict"] == "agrees"
-        verdict = f"agrees {each['within']}" if agrees else f"differs because {each['because']}"
+        verdict = verdict_text(agrees, within=each["within"], because=each["because"])
         value = ours.get((each["claim_id"], "ours"), "below 1 s")  # run times are not compared
         verdict = verdict.replace("docs/explanation/paper.md", "this page")
         cells = each["claim"], verdict, each["paper"], value, each["unit"]

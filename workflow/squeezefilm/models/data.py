@@ -149,6 +149,6 @@ def factors_of_table(points: pd.DataFrame, *, limits: Path | str | None = None) 
     for name, numbers in given.items():
         if (numbers.isna() & points[name].notna()).any():
             raise InputError(f"{name}: a value is not a number")
-    known = "limit_n" in points and "status" in points
-    statuses = points["status"].to_numpy(dtype=str) if known else None
+    has_status = {"limit_n", "status"} <= {*points}
+    statuses = points["status"].to_numpy(dtype=str) if has_status else None
     return replace(Factors.of(**given), statuses=statuses)
