@@ -21,6 +21,7 @@ from squeezefilm.columns import COLUMNS
 from squeezefilm.config.keys import key_table, study_schema
 from squeezefilm.film.gas import GASES_TABLE_PATH
 from squeezefilm.film.validity import VALIDITY_LIMITS
+from squeezefilm_workflow.paper.claims import verdict_text
 
 project, version, release = "squeezefilm", __version__, __version__
 extensions = [

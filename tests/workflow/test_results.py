@@ -40,7 +40,11 @@ def test_every_claim_of_the_paper_is_there_once_with_a_verdict(study, claims):
     assert tuple(claims_with_verdicts(study.results).columns) == CLAIM_COLUMNS
     assert claims.index.is_unique
     assert len(claims) == len(CLAIMS) >= 20
-    assert claims["verdict"].str.match(r"agrees \S+|differs \(would agree .*\) because|undecided with \d").all()
+    assert (
+        claims["verdict"]
+        .str.match(r"agrees \S+|differs \(would agree .*\) because|undecided with \d")
+        .all()
+    )
     assert (claims["ours"] != "").all()
 
 
