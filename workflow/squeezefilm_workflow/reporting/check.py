@@ -178,8 +178,11 @@ def check_page(results: Results, *, reference: str) -> Page:
     """Every quantity of a study beside those of the reference in a folder."""
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
-    values = {"summary": passed_and_failed_text(table), "table": shown}
-    values["plan_size"] = MAX_FORCES_ALL_KEPT
+    values = {
+        "summary": passed_and_failed_text(table),
+        "table": shown,
+        "plan_size": MAX_FORCES_ALL_KEPT,
+    }
     return Page(values, {"csv": table, "text": f"{terminal_text(table, results.folder)}\n"})
 
 
