@@ -220,7 +220,7 @@ def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repo
     names = ["limit_2 on four_factor", "limit_1 on two_factor", "screen"]
     assert [each["name"] for each in fits] == names
     assert "neglected effects\nadd +0.22…+0.53 % (h0 = 5 µm) to " in page
-    assert [each["label"].endswith(", best)") for each in fits] == [True, True, False]
+    assert [each["label"].endswith(", best") for each in fits] == [True, True, False]
 
 
 def test_models_and_forces_are_on_the_page_to_the_last_digit(study):

@@ -105,10 +105,9 @@ def _fit_for_explorer(name: str, fit: FittedModel, plan: str, *, best: bool) -> 
     kind = next((kind for end, kind in LABEL_OF_FIT_SUFFIX.items() if plan.endswith(end)), "points")
     return {
         "name": name,
-        "label": f"{fit.model.replace('_factor', ' factors')} ("
+        "label": f"{fit.model.replace('_factor', ' factors')}, "
         + (f"{fit.points} {kind}" if fit.theta else "nothing fitted")
-        + ", best" * best
-        + ")",
+        + ", best" * best,
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_centred,
