@@ -134,7 +134,7 @@ def write_generated() -> None:
     """Write keys, columns, help of all commands, limits of validity, claims, measured tables."""
     GENERATED.mkdir(exist_ok=True)
     rows = [
-        f"| {limit.quantity} {limit.symbol} | {limit.films} | {bound(limit.unverified_above)} "
+        f"| {limit.quantity} {limit.symbol} | {limit.film_kind} | {bound(limit.unverified_above)} "
         f"| {bound(limit.not_applicable_above)} | {limit.source} |"
         for limit in VALIDITY_LIMITS
     ]

@@ -118,7 +118,7 @@ def test_the_number_shown_is_the_librarys(name, explorer):
     def some(low: float, high: float) -> float:
         return round(random.uniform(low, high), 3)
 
-    moved = not explorer.fit(name).force_model.is_centred
+    moved = not explorer.fit(name).force_model.is_for_centred_pad
     for _ in range(3):
         explorer.type(h0=some(5, 10), hv=some(0.2, 2.2))
         if moved:
@@ -130,7 +130,7 @@ def test_the_number_shown_is_the_librarys(name, explorer):
 def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer):
     explorer.choose(name)
     fit = explorer.fit(name)
-    if not fit.force_model.is_centred:
+    if not fit.force_model.is_for_centred_pad:
         explorer.type(phi_r=1.2, phi_phi=30.0)
     for hv, load_n in ((1.2, 0.1), (1.9, 0.4)):
         explorer.type(h0=6.0, hv=hv, target=load_n)

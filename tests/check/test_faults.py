@@ -37,7 +37,7 @@ def edit(path: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
 def redraw(results: Results, name: str, change: Callable[[Figure], None]) -> None:
     """Draw a figure's picture anew, with something changed."""
     path = results.folder / PLACE / f"{name}{PLAIN_PICTURE_SUFFIX}"
-    study = StudyResults.of(results.folder, results.checkout / "config/quick.yaml")
+    study = StudyResults.of_folder(results.folder, results.checkout / "config/quick.yaml")
     with style.figure_style(notes=False):
         figure, _ = FIGURES[f"figures/{name}"](study)
         change(figure)

@@ -41,8 +41,8 @@ def means(device: Device, kernel: str) -> list[float]:
         Batch(Scenes.of([each]), np.arange(1), terms, tuple(some), [tolerance] * len(some))
         for each, some in ((scene, grids), (other, grids[:1]))
     ]
-    states = launch(batches, device=device).states(device)
-    return [float(state.mean[0]) for of_batch in states for state in of_batch]
+    states = launch(batches, device=device).wait_for_states(device)
+    return [float(state.mean_pressure_ratio[0]) for of_batch in states for state in of_batch]
 
 
 def _make_wrong(fault: str) -> None:

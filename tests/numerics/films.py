@@ -74,8 +74,8 @@ def mean_overpressure(
     _, states = periodic_state(
         scene, points=points, instants=instants, fold=fold, tolerance=tolerance
     )
-    assert states.status[0] == 0
-    return float(states.mean[0])
+    assert states.status_indices[0] == 0
+    return float(states.mean_pressure_ratio[0])
 
 
 def limit(
@@ -101,7 +101,9 @@ def expansion_of(
 ) -> tuple[float, float]:
     """A scene's force by an expansion and its error, in newtons."""
     found = expand_scenes(expand, solve_plan_of(scene), [0], tolerance=tolerance)
-    return found.mean[0] * scene.force_scale_n, found.error[0] * scene.force_scale_n
+    return found.mean_pressure_ratio[0] * scene.force_scale_n, found.pressure_ratio_error[
+        0
+    ] * scene.force_scale_n
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ class AsTheGap:
 
 def saying(states: PeriodicStates, **values: np.ndarray) -> PeriodicStates:
     """States of which something else is said."""
-    said = states.results.copy()
+    said = states.result_rows.copy()
     for name, each in values.items():
         said[name] = each
-    return replace(states, results=said)
+    return replace(states, result_rows=said)

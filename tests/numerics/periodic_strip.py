@@ -35,7 +35,7 @@ class PeriodicStrip:
     def divergence(self) -> np.ndarray:
         """∇· of a flow along x."""
         radius = self.grid.x[:, None] - 0.5
-        return self.grid.first + np.eye(len(radius)) / radius * self.disc
+        return self.grid.derivative_matrix + np.eye(len(radius)) / radius * self.disc
 
     @cached_property
     def weights(self) -> np.ndarray:
@@ -79,7 +79,7 @@ class PeriodicStrip:
 
     def _moved(self, gap_change: np.ndarray, modulation: np.ndarray) -> np.ndarray:
         """Change of the mean pressure by a small one of H that goes as exp(iΩT)."""
-        across, pressure = self.grid.first, self._pressure(0.0)
+        across, pressure = self.grid.derivative_matrix, self._pressure(0.0)
         changes = []
         for omega in modulation:
             in_time = self.time_derivative_matrix + 1j * omega * np.eye(self.instant_count)
@@ -94,7 +94,7 @@ class PeriodicStrip:
         return complex(self.weights @ field.mean(axis=1))
 
     def _pressure(self, loss: float) -> np.ndarray:
-        across, gap = self.grid.first, self.gap
+        across, gap = self.grid.derivative_matrix, self.gap
         pressure = np.ones_like(gap)
         for _ in range(30):
             slope = across @ pressure
@@ -113,7 +113,7 @@ class PeriodicStrip:
         self, pressure: np.ndarray, residual: np.ndarray, *, in_time: np.ndarray, loss: float = 0.0
     ) -> np.ndarray:
         """Less the inverse of the linearised film times a residual."""
-        across, gap = self.grid.first, self.gap
+        across, gap = self.grid.derivative_matrix, self.gap
         (nodes, instants), each = gap.shape, np.arange(self.instant_count)
         slope = across @ pressure
         jacobian = np.zeros((nodes, instants, nodes, instants), dtype=in_time.dtype)

@@ -66,7 +66,7 @@ class RingDown:
     @cached_property
     def derivatives(self) -> tuple[FloatArray, FloatArray]:
         """∂/∂r of an even function and of an odd one, on the nodes."""
-        first, half = chebyshev_grid(2 * self.points).first, self.points + 1
+        first, half = chebyshev_grid(2 * self.points).derivative_matrix, self.points + 1
         near, far = first[half:, half:], first[half:, half - 1 :: -1]
         return near + far, near - far
 

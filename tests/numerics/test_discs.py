@@ -81,7 +81,12 @@ def test_errors_fall_through_the_foci():
     scene = replace(scene, pad=replace(scene.pad, length_y_m=(1 + 1e-12) * length_m))
     pad = scene.pad.smooth_outline
     errors = [
-        abs(solve_batch([scene], grid, tolerance=1e-9, device=choose_device()).mean[0] - expected)
+        abs(
+            solve_batch([scene], grid, tolerance=1e-9, device=choose_device()).mean_pressure_ratio[
+                0
+            ]
+            - expected
+        )
         for grid in (Grid(n, n // 2, 16, True, True, pad) for n in (8, 12, 16, 20))
     ]
     assert all(fine < coarse / 5 for coarse, fine in pairwise(errors))

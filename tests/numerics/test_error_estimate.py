@@ -48,15 +48,15 @@ def test_a_kink_along_an_axis_is_within_the_estimate(at, sigma, tolerance):
 
 
 def test_a_state_with_negative_pressure_is_no_solution(monkeypatch):
-    original = reynolds.periodic.launch.Launch.states
+    original = reynolds.periodic.launch.Launch.wait_for_states
 
     def negative(self, device):
         return [
-            [saying(states, lowest=states.results["lowest"] - 2) for states in stages]
+            [saying(states, lowest=states.result_rows["lowest"] - 2) for states in stages]
             for stages in original(self, device)
         ]
 
-    monkeypatch.setattr(reynolds.periodic.launch.Launch, "states", negative)
+    monkeypatch.setattr(reynolds.periodic.launch.Launch, "wait_for_states", negative)
     monkeypatch.setattr(refinement, "MAX_UNKNOWNS", 20_000)
     (solution,) = solve([film(epsilon=0.3, sigma=20.0)], tolerance=1e-2, method="periodic")
     assert np.isnan(solution.force_n)

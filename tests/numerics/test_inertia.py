@@ -58,10 +58,12 @@ def second_order(scene: Scene, *, points: int) -> float:
     """
     sigma, reynolds = scene.sigma, scene.modified_reynolds
     line = chebyshev_grid(points)
-    first, inner = line.first, (slice(1, -1), slice(1, -1))
+    first, inner = line.derivative_matrix, (slice(1, -1), slice(1, -1))
     s = scene.amplitude(*np.meshgrid(line.x, line.x, indexing="ij"))
     one = np.eye(points)
-    laplacian = np.kron(line.second[1:-1, 1:-1], one) + np.kron(one, line.second[1:-1, 1:-1])
+    laplacian = np.kron(line.second_derivative_matrix[1:-1, 1:-1], one) + np.kron(
+        one, line.second_derivative_matrix[1:-1, 1:-1]
+    )
 
     def poisson(source: np.ndarray, decay: complex) -> np.ndarray:
         matrix = laplacian - decay * np.eye(points**2)
@@ -249,13 +251,13 @@ def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, obj
 def mean_warmth(rate: complex, jump: float) -> complex:
     """Mean over the gap of θ″ − rate θ = −1, whose ends are jump times its slope inwards."""
     line = cached_axis(24, False)
-    square = (line.derivative @ line.derivative - rate * np.eye(26)).astype(complex)
+    square = (line.derivative_matrix @ line.derivative_matrix - rate * np.eye(26)).astype(complex)
     right = np.full(26, -1.0, dtype=complex)
     for end, inwards in ((0, 1), (-1, -1)):
-        square[end] = np.eye(26)[end] - inwards * jump * line.derivative[end]
+        square[end] = np.eye(26)[end] - inwards * jump * line.derivative_matrix[end]
         right[end] = 0
-    rim = (1 - line.weights.sum()) / 2
-    return complex([rim, *line.weights, rim] @ np.linalg.solve(square, right))
+    rim = (1 - line.quadrature_weights.sum()) / 2
+    return complex([rim, *line.quadrature_weights, rim] @ np.linalg.solve(square, right))
 
 
 @pytest.mark.parametrize("knudsen", [0.0, 0.0134, 0.05])

@@ -1,6 +1,7 @@
 """The gap under a load against the solver's own forces, and mistakes told."""
 
 import re
+from contextlib import suppress
 from dataclasses import replace
 from math import pi
 
@@ -13,8 +14,10 @@ from ring_down import RingDown
 from scipy.optimize import newton
 from test_slow_film import disc_stiffness
 
+from squeezefilm.api.film import Film
 from squeezefilm.cli.main import main
 from squeezefilm.dynamics.levitation import OVERDAMPED_STATUS, levitate, resonance
+from squeezefilm.errors import RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 
@@ -158,6 +161,13 @@ def study(tmp_path, **sections) -> str:
     return str(path)
 
 
+SMALL_DISC = {
+    "gas": {},
+    "actuator": {"frequency": 20e3, "surface_radius": 0.015, "profile": {"kind": "piston"}},
+    "pad": {"shape": "circle", "diameter": 0.02},
+}
+
+
 def levitated(tmp_path, *words: str, **sections) -> pd.DataFrame:
     output = tmp_path / "levitation.csv"
     words = [*words, "--config", study(tmp_path, **sections), "--output", str(output)]
@@ -172,6 +182,15 @@ def test_a_floating_part_oscillates_at_the_root_of_its_equation_of_motion(tmp_pa
     assert row["h0_m"] == pytest.approx(9.572e-6, rel=1e-4)
     assert row["resonance_hz"] == pytest.approx(217.2, rel=1e-3)
     assert row["damping_ratio"] == pytest.approx(0.604, rel=1e-3)
+
+
+def test_a_resonance_with_an_error_as_large_as_itself_is_not_known(tmp_path, capsys):
+    words = ["levitate", "--mass", "20g", "--hv", "3um", "--config", study(tmp_path, **SMALL_DISC)]
+    assert main(words) == 0
+    shown = capsys.readouterr().out
+    assert re.search(r"resonance +below about \d+ Hz \(error as large as the value\)", shown)
+    assert re.search(r"note +resonance not known: its error is as large as its value", shown)
+    assert re.search(r"static stiffness .* kN/m \(without the modelling error\)", shown)
 
 
 def test_the_modelling_error_of_a_gap_holds_what_neglected_effects_do_to_it(tmp_path):
@@ -229,15 +248,61 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
     )
 
 
-def test_the_range_of_loads_that_is_named_can_be_levitated(tmp_path, capsys):
-    """Rising, and by the limits of the terms that the film has there."""
-    assert main(["levitate", "--mass", "10g", "--hv", "3um", "--config", study(tmp_path, **DISC)])
-    low, high = map(
-        float, re.findall(r"loads of about (\S+) to (\S+) N", capsys.readouterr().err)[0]
-    )
-    assert low < high
-    table = levitated(tmp_path, "--load", f"{low}N,{high}N", "--hv", "3um", **DISC)
-    assert not table["status"].str.contains("is above").any(), table["status"].tolist()
+@pytest.mark.parametrize(
+    ("hv_m", "loads_n"), [(2e-6, (0.08, 0.09, 0.13, 0.15, 60.0)), (4e-6, (0.4, 0.6, 2.0))]
+)
+def test_a_force_at_the_gap_that_is_given_has_its_terms_and_is_within_limits(
+    tmp_path, hv_m, loads_n
+):
+    """Up to Re 10 with thermal effects, which change their sign there, and to Re 20 without."""
+    film = Film.read(study(tmp_path, **SMALL_DISC))
+    scene, how = film.scene(h0=1e-3, hv=hv_m), SETTINGS | {"tolerance": 1e-4}
+    given = []
+    for load_n in loads_n:
+        with suppress(RunError):
+            given.append(levitate(scene, load_n=load_n, **how))
+    assert len(given) > 1
+    for found in given:
+        force = film.force(h0=found.scene.h0_m, hv=hv_m)
+        assert force.validity == "ok"
+        assert force.scene.gas == found.scene.gas
+        error_n = found.h0_error_m * found.stiffness_n_per_m + force.error_n
+        assert force.force_n == pytest.approx(found.force_n, abs=error_n)
+
+
+def test_where_no_gap_has_the_terms_decided_there_the_larger_equation_is_taken(tmp_path):
+    """Thermal effects lower the gap to one at which they are just negligible, and back."""
+    film = Film.read(study(tmp_path, **SMALL_DISC))
+    how = SETTINGS | {"tolerance": 1e-4}
+    found = levitate(film.scene(h0=1e-3, hv=2e-6), load_n=8.3768, **how)
+    assert found.scene.gas.thermal == "included"
+    (note,) = found.notes
+    assert note.startswith("gas.thermal is auto and included, though")
+    force = film.force(h0=found.scene.h0_m, hv=2e-6)
+    assert force.scene.gas.thermal == "none"
+    assert force.force_n == pytest.approx(found.force_n, rel=how["model_tolerance"])
+
+
+@pytest.mark.parametrize(
+    ("words", "sections"), [(["10g", "3um"], DISC), (["5g", "2um"], SMALL_DISC)]
+)
+def test_loads_are_levitated_within_the_ranges_named_and_not_beside_them(
+    tmp_path, capsys, words, sections
+):
+    """Rising gaps, and by the limits of the terms that the film has there."""
+    mass, hv = words
+    command = ["levitate", "--mass", mass, "--hv", hv, "--config", study(tmp_path, **sections)]
+    assert main(command) == 1
+    named = re.findall(r"loads of about (\S+) to ([^\s,]+) N", capsys.readouterr().err)
+    ranges = [(float(low), float(high)) for low, high in named]
+    assert ranges
+    assert all(low < high for low, high in ranges)
+    inside = [load for low, high in ranges for load in (1.01 * low, (low * high) ** 0.5)]
+    beside = [0.9 * ranges[-1][0], *(1.05 * high for _, high in ranges[1:])]
+    loads = ",".join(f"{load:.5g}N" for load in [*inside, *beside])
+    table = levitated(tmp_path, "--load", loads, "--hv", hv, **sections)
+    refused = table["status"].str.contains("is above").tolist()
+    assert refused == [False] * len(inside) + [True] * len(beside), table["status"].tolist()
 
 
 def test_a_pad_is_levitated_where_it_would_touch_at_a_gap_that_nobody_asked_for(tmp_path):

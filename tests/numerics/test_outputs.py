@@ -34,7 +34,7 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.solution import OUTPUT_COLUMNS, Outputs
-from squeezefilm.tables import merge_forces, read_forces, write_table
+from squeezefilm.tables import concatenate_force_parts, read_forces, write_table
 
 ASKED = tuple(name for name in OUTPUT_COLUMNS if name in STATE_OUTPUT_NAMES)
 AREA_M2 = LENGTH_M**2
@@ -59,7 +59,7 @@ def on_nodes(scene: Scene, *, points: int, instants: int) -> Fields:
     """The film's own fields on one grid, whole."""
     grid = Grid(nx=points, ny=points, nt=instants, fold_x=False, fold_y=False)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
-    assert state.status[0] == 0
+    assert state.status_indices[0] == 0
     return Fields.of([scene], grid, state.unknowns)
 
 
@@ -137,26 +137,26 @@ def momentum_from_inside(scene: Scene, grid: Grid, unknowns: np.ndarray) -> np.n
             nodes[which] = FluxPoints(along).all_points
             to_points = along.matrix_to_points(nodes[which])
             to_values[which] = to_points[:, 1:-1]
-            to_slope[which] = (to_points @ along.derivative)[:, 1:-1]
+            to_slope[which] = (to_points @ along.derivative_matrix)[:, 1:-1]
         else:
-            to_slope[which] = along.slope(odd=False)
+            to_slope[which] = along.derivative_at_unknowns(odd=False)
         pressure, slope = (
             np.einsum("pa,abi,qb->pqi", *(each[0], unknowns[0], each[1]))
             for each in (to_values, to_slope)
         )
         places = np.meshgrid(*nodes, indexing="ij")
         gap = scene.gap(
-            *(grid.outline.positions(*places) if grid.outline else places), grid.t.nodes
+            *(grid.outline.side_fractions(*places) if grid.outline else places), grid.t.nodes
         )
         deficit = unknowns[1 + which]
         mass = (1 + pressure) * gap
         mobility = gap**2 * (1 + 6 * slip / mass) / scene.sigma
         velocity = -mobility * slope / lengths[which] - deficit
-        filling = mass @ grid.t.derivative.T
+        filling = mass @ grid.t.derivative_matrix.T
         inert = 70 / 9 / scene.modified_reynolds * deficit / (gap * (1 + 4 * slip / mass))
         field = inert - velocity * filling / 9
         turn = np.ones(field.shape[:2], dtype=complex)
-        around = grid.y.weights
+        around = grid.y.quadrature_weights
         if grid.outline:  # over the conjugate of z′, in a mean with the area behind each point
             mu = grid.outline.edge_mu * (2 * places[0] - 1)
             turn = (
@@ -383,6 +383,6 @@ def test_a_table_of_forces_has_what_its_study_asks_for_and_gathering_keeps_it(
         set(list(table)[len(forces) :])
         <= Outputs(requested_names=tuple(OUTPUT_COLUMNS)).columns().keys()
     )
-    merge_forces(plan, [output], output=whole, keep_failed=False)
+    concatenate_force_parts(plan, [output], output=whole, keep_failed=False)
     pd.testing.assert_frame_equal(pd.read_csv(whole), table)
     assert "'lift' is none of" in refused(*command, "--outputs", "lift", status=2)

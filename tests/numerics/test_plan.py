@@ -70,7 +70,7 @@ def test_every_method_does_what_is_planned_on_random_scenes(method, tolerance):
             assert row["status"] == solution.status
         assert (row["domain"] == "") == (solution.nx == 0)
         assert (row["expected_mflop"] == 0) == (row["domain"] == "")
-        assert all(each.reason for each in row["absent"])
+        assert all(each.absence_reason for each in row["absent"])
     assert method in ("auto", "periodic") or {each["status"] for each in planned} != {"ok"}
 
 

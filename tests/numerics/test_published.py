@@ -42,7 +42,7 @@ def test_the_factors_are_means_of_profiles_solved_for_across_the_gap(reynolds):
 
     def mean(rate):
         """That of y with rate · y − y″ = 1, y = 0 at the walls."""
-        operator = 1j * rate * np.eye(len(grid.x)) - grid.second
+        operator = 1j * rate * np.eye(len(grid.x)) - grid.second_derivative_matrix
         inside = np.linalg.solve(operator[1:-1, 1:-1], np.ones(40))
         return grid.weights[1:-1] @ inside
 
@@ -50,7 +50,7 @@ def test_the_factors_are_means_of_profiles_solved_for_across_the_gap(reynolds):
     assert flow == pytest.approx(12 * mean(reynolds), rel=1e-10)
     thermal = AIR["prandtl"] * reynolds
     assert density == pytest.approx(1 - 0.4 / 1.4 * 1j * thermal * mean(thermal), rel=1e-10)
-    assert exact_factors(reynolds, **AIR | {"prandtl": 0.0}).density == 1
+    assert exact_factors(reynolds, **AIR | {"prandtl": 0.0}).density_factor == 1
     parabolic = depth_averaged_factors(1e-3 * reynolds, **AIR)
     assert exact_factors(1e-3 * reynolds, **AIR) == pytest.approx(parabolic, abs=1e-6 * reynolds**2)
 
@@ -64,7 +64,10 @@ def test_the_series_is_blechs_and_keeps_power_for_any_factors():
             complex(*double_series(60.0, aspect)), rel=2e-5
         )
     factors = exact_factors(4.0, **AIR)
-    as_sigma = piston_response(60.0 * factors.density / factors.flow) / factors.density
+    as_sigma = (
+        piston_response(60.0 * factors.density_factor / factors.flow_factor)
+        / factors.density_factor
+    )
     assert piston_response(60.0, factors=factors) == pytest.approx(as_sigma, rel=1e-12)
 
 
@@ -72,7 +75,7 @@ def test_a_pressure_of_a_known_motion_comes_back_around_a_hole():
     factors, squeeze, r = FilmFactors(0.9 - 0.3j, 0.95 + 0.05j), 30.0, np.linspace(0.2, 1.0, 60)
     pressure = (1 - r) ** 2 * (1 + 2j) + 3
     laplacian = (1 + 2j) * (2 - 2 * (1 - r) / r)
-    motion = factors.flow * laplacian / (1j * squeeze) - factors.density * pressure
+    motion = factors.flow_factor * laplacian / (1j * squeeze) - factors.density_factor * pressure
     found = radial_pressure(r, motion, pressure[0], squeeze=squeeze, factors=factors)
     assert found == pytest.approx(pressure, abs=1e-6)
 

@@ -106,17 +106,18 @@ def test_a_piston_has_no_angle_wherever_the_disc_is():
 
 def test_the_axis_has_the_bessel_modes_and_the_disc_s_mean():
     axis = RadialAxis(24)
-    assert axis.modes[0][:6] == pytest.approx(-((2 * jn_zeros(0, 6)) ** 2), rel=1e-9)
+    assert axis.eigenmodes[0][:6] == pytest.approx(-((2 * jn_zeros(0, 6)) ** 2), rel=1e-9)
     r = 2 * np.abs(axis.nodes - 0.5)
     for k in range(1, 24):  # zero on the rim, as all that the axis has
-        assert axis.weights @ (1 - r ** (2 * k)) == pytest.approx(k / (k + 1), rel=1e-13)
+        assert axis.quadrature_weights @ (1 - r ** (2 * k)) == pytest.approx(k / (k + 1), rel=1e-13)
 
 
 def test_errors_fall_along_the_radius():
     scene, device = disc(**BOTH), choose_device()
     grids = (Grid(n, 1, 20, True, True) for n in (4, 8, 12, 24))
     *means, exact = (
-        solve_batch([scene], grid, tolerance=1e-9, device=device).mean[0] for grid in grids
+        solve_batch([scene], grid, tolerance=1e-9, device=device).mean_pressure_ratio[0]
+        for grid in grids
     )
     errors = [abs(mean - exact) for mean in means]
     assert all(fine < coarse / 8 for coarse, fine in pairwise(errors))
@@ -127,7 +128,10 @@ def test_a_pressure_that_the_edge_shares_with_the_film_drives_no_flow():
     grid = Grid(12, 1, 12, True, True)
     films = Fields.of([disc()], grid, np.zeros((1, 1, *grid.shape)))
     films, rise = (
-        replace(films, edge_gauge_pressure=0.01 * films.inward[0] + films.edge_gauge_pressure),
+        replace(
+            films,
+            edge_gauge_pressure=0.01 * films.inward_normal_signs[0] + films.edge_gauge_pressure,
+        ),
         0.01,
     )
     viscous = (rise + rise**2 / 2) * films.gap[:, :1] ** 1.5

@@ -21,7 +21,12 @@ def response(sigma: float, aspect: float = 1.0) -> tuple[float, float]:
     epsilon = 1e-5
     scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
     grid, states = periodic_state(scene, points=32, instants=8)
-    force = np.einsum("xyt,x,y->t", states.gauge_pressure_ratio[0], grid.x.weights, grid.y.weights)
+    force = np.einsum(
+        "xyt,x,y->t",
+        states.gauge_pressure_ratio[0],
+        grid.x.quadrature_weights,
+        grid.y.quadrature_weights,
+    )
     spring = -2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon
     damping = -2 * np.mean(force * np.cos(grid.t.nodes)) / epsilon
     return float(spring), float(damping)
@@ -72,7 +77,7 @@ def test_divergence_form_of_the_equation_holds_with_every_term():
     """The state, put into eq. (1) as it stands there, leaves nothing: all terms, all signs."""
     scene = film(epsilon=0.3, sigma=40.0, x=0.12, y=0.2, bearing=30.0, aspect=0.8)
     grid, states = periodic_state(scene, points=36, instants=20, tolerance=1e-12)
-    assert states.status[0] == 0
+    assert states.status_indices[0] == 0
     x, y = np.meshgrid(grid.x.all_nodes, grid.y.all_nodes, indexing="ij")
     sine = np.sin(grid.t.nodes)
     gap = 1 + scene.epsilon * scene.amplitude(x, y)[..., None] * sine
@@ -80,13 +85,13 @@ def test_divergence_form_of_the_equation_holds_with_every_term():
     pressure = 1 + np.pad(states.gauge_pressure_ratio[0], ((1, 1), (1, 1), (0, 0)))
 
     def d_dx(values: np.ndarray) -> np.ndarray:
-        return np.einsum("ij,jyt->iyt", grid.x.derivative, values)
+        return np.einsum("ij,jyt->iyt", grid.x.derivative_matrix, values)
 
     def d_dy(values: np.ndarray) -> np.ndarray:
-        return np.einsum("ij,xjt->xit", grid.y.derivative, values) / scene.aspect
+        return np.einsum("ij,xjt->xit", grid.y.derivative_matrix, values) / scene.aspect
 
     flow = gap**3 * pressure
-    pressure_rate = pressure @ grid.t.derivative.T
+    pressure_rate = pressure @ grid.t.derivative_matrix.T
     squeeze = scene.sigma * (gap_rate * pressure + gap * pressure_rate)
     slide = scene.bearing_number * d_dx(gap * pressure)
     diffusion = d_dx(flow * d_dx(pressure)) + d_dy(flow * d_dy(pressure))
@@ -94,7 +99,7 @@ def test_divergence_form_of_the_equation_holds_with_every_term():
 
     def size(values: np.ndarray) -> float:
         mean_square = np.mean(values[inner] ** 2, axis=-1)
-        return float(np.sqrt(grid.x.weights @ mean_square @ grid.y.weights))
+        return float(np.sqrt(grid.x.quadrature_weights @ mean_square @ grid.y.quadrature_weights))
 
     # Second derivatives have weak singularities in the corners: a mean, not the largest value.
     assert size(diffusion - squeeze - slide) < 1e-5 * size(squeeze)

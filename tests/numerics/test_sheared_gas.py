@@ -180,7 +180,7 @@ def test_velocity_carried_by_the_wall_is_that_of_its_cartesian_parts():
     scene = film(epsilon=0.3, sigma=30.0, x=0.1, y=0.2, bearing=1.0, inertia="included")
     scene = replace(scene, pad=replace(scene.pad, shape="ellipse", length_y_m=0.007))
     grid = Grid(16, 24, 8, fold_x=False, fold_y=False, outline=scene.pad.smooth_outline)
-    x, y = (each.reshape(len(grid.x.all_nodes), -1, 1) for each in grid.positions)
+    x, y = (each.reshape(len(grid.x.all_nodes), -1, 1) for each in grid.node_positions)
     swelling = (0.25 - (x - 0.5) ** 2 - (y - 0.5) ** 2) * (1 + x) * np.sin(grid.t.nodes)
     fields = Fields.of([scene], grid, swelling[None, None, 1:-1])
     v, wall = fields.velocity, wall_velocity(fields)

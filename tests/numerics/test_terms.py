@@ -94,7 +94,7 @@ def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
         polytropic_exponent=exponent,
     )
     grid, states = periodic_state(scene, points=32, instants=40)
-    assert states.status[0] == 0
+    assert states.status_indices[0] == 0
     gap = 1 + scene.epsilon * np.sin(grid.t.nodes)
     pressure = 1 + states.gauge_pressure_ratio[0]
     nodes, weights = np.polynomial.legendre.leggauss(20)
@@ -166,7 +166,10 @@ def test_fast_adiabatic_compression_is_stiffer_by_the_exponent():
         scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, polytropic_exponent=exponent)
         grid, states = periodic_state(scene, points=80, instants=8)
         force = np.einsum(
-            "xyt,x,y->t", states.gauge_pressure_ratio[0], grid.x.weights, grid.y.weights
+            "xyt,x,y->t",
+            states.gauge_pressure_ratio[0],
+            grid.x.quadrature_weights,
+            grid.y.quadrature_weights,
         )
         return float(-2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon)
 
@@ -214,7 +217,7 @@ def test_a_term_s_response_is_the_difference_quotient_of_its_residual(terms):
     for steps in (0, 1):
         how = {"tolerance": 0.0, "device": device, "guess": guess, "most_newton": steps}
         states = solve_batch([scene], grid, **how)
-        residuals.append(float(states.results["residual"][0]))
+        residuals.append(float(states.result_rows["residual"][0]))
     before, after = residuals
     assert 1e-3 < before < 1e-2
     assert after < 4 * before**2
@@ -236,7 +239,7 @@ def test_an_iteration_with_thermal_effects_says_what_it_leaves(terms):
     device = choose_device()
     tolerances = 1e-12, 1e-6, 1e-7, 1e-8
     exact, *others = (
-        solve_batch([scene], grid, tolerance=tolerance, device=device).results[0]
+        solve_batch([scene], grid, tolerance=tolerance, device=device).result_rows[0]
         for tolerance in tolerances
     )
     for result in others:
@@ -250,7 +253,7 @@ def test_of_a_small_amplitude_the_modes_in_time_know_inertia_and_heat(reynolds):
     states = solve_batch(
         [scene], Grid(16, 16, 8, True, True), tolerance=1e-6, device=choose_device()
     )
-    assert states.results["krylov_iterations"][0] <= 8
+    assert states.result_rows["krylov_iterations"][0] <= 8
 
 
 def test_steps_with_inertia_and_heat_take_the_flow_as_warm_as_it_is():
@@ -262,7 +265,7 @@ def test_steps_with_inertia_and_heat_take_the_flow_as_warm_as_it_is():
     before, after = (
         solve_batch(
             [scene], grid, tolerance=0.0, device=device, guess=guess, most_newton=steps
-        ).results["residual"][0]
+        ).result_rows["residual"][0]
         for steps in (2, 3)
     )
     assert after < before / 20

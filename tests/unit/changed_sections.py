@@ -33,4 +33,4 @@ def in_file(value: Any) -> Any:
 def made_profile(surface: Surface, *, kind: str, **settings: Any) -> Profile:
     """A profile on a surface from the values of a study's keys."""
     (made,) = (each for each in get_args(ProfileOfStudy) if each.kind == kind)
-    return made(**settings).on(surface)
+    return made(**settings).on_surface(surface)

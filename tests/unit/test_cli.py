@@ -10,7 +10,7 @@ import pytest
 
 from squeezefilm.cli.main import main, module_of_command
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.tables import FORCE_COLUMNS, merge_forces, read_forces, write_table
+from squeezefilm.tables import FORCE_COLUMNS, concatenate_force_parts, read_forces, write_table
 
 COMMANDS = module_of_command()
 
@@ -59,6 +59,11 @@ def test_an_option_in_capitals_is_answered_with_the_small_one(capsys):
         ("simulate --position 1mm --h0 5um", "'--position'; did you mean '--x' or '--y'?"),
         ("levitate --weight 1N --hv 2um", "'--weight'; did you mean '--load' or '--mass'?"),
         ("amplitude-for FIT.json --load 1N", "'--load'; did you mean '--force'?"),
+        (
+            "levitate --load 1N --hv 2um --outputs power",
+            "'--outputs'; `squeezefilm simulate --outputs` computes further quantities at a given "
+            "gap;",
+        ),
     ],
 )
 def test_an_option_by_another_name_is_answered_with_its_own(words, hint, capsys):
@@ -91,9 +96,9 @@ def test_a_failed_scene_is_named_and_nothing_written(plan, tmp_path):
     parts = [part(tmp_path / "a.csv", "1"), part(tmp_path / "b.csv", "2", "3", status="no end")]
     output = tmp_path / "forces.csv"
     with pytest.raises(RunError, match=r"point 3: no end \(.*b\.csv\)"):
-        merge_forces(plan, parts, output=output, keep_failed=False)
+        concatenate_force_parts(plan, parts, output=output, keep_failed=False)
     assert not output.exists()
-    merge_forces(plan, parts, output=output, keep_failed=True)
+    concatenate_force_parts(plan, parts, output=output, keep_failed=True)
     assert list(read_forces(output)["status"]) == ["ok", "no end", "no end"]
 
 
@@ -101,7 +106,7 @@ def test_a_failed_scene_is_named_and_nothing_written(plan, tmp_path):
 def test_parts_that_do_not_make_the_plan_are_refused(ids, plan, tmp_path):
     parts = [part(tmp_path / "a.csv", "1"), part(tmp_path / "b.csv", *ids)]
     with pytest.raises(InputError, match=r"b\.csv: its points are not those of part 2 of 2"):
-        merge_forces(plan, parts, output=tmp_path / "forces.csv", keep_failed=False)
+        concatenate_force_parts(plan, parts, output=tmp_path / "forces.csv", keep_failed=False)
 
 
 def test_doctor_fails_without_a_device_and_says_how_to_mend_it(tmp_path, refused, monkeypatch):

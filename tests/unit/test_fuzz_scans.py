@@ -71,6 +71,6 @@ def test_a_scan_runs_or_is_refused(block, tmp_path):
             continue
         ran += 1
         values = smoothed.profile.amplitude(x_m=x_m, y_m=y_m)
-        assert np.all(np.abs(values) <= smoothed.profile.largest + 1e-6)
+        assert np.all(np.abs(values) <= smoothed.profile.largest_magnitude + 1e-6)
         assert np.isfinite(smoothed.noise_m)
     assert 5 <= ran <= 55  # some of both

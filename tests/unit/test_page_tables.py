@@ -44,7 +44,8 @@ def test_assumptions_are_told_by_difference_with_their_verdict_first(monkeypatch
     monkeypatch.setattr(uncertainty, "assumptions_table", lambda config, forces: pd.DataFrame(rows))
     monkeypatch.setattr(uncertainty, "solver_settings", lambda config, outputs: None)
     page = render_template(
-        "uncertainty.md", **uncertainty.uncertainty_page(SimpleNamespace(config=None)).values
+        "uncertainty.md",
+        **uncertainty.uncertainty_page(SimpleNamespace(config=None)).template_values,
     )
     (columns,) = heads(page)
     assert columns[:2] == ["assumption", "verdict"]
@@ -87,7 +88,7 @@ def test_recommended_errors_are_shown_in_percent_as_on_the_pages(monkeypatch, tm
     row = {"space": "two_factor", "model": "bump", "validation_error": 0.0076, "simulations": 48}
     row |= {"worst_error": 0.06174, "h0_m": 5e-6, "hv_m": 1e-6, "force_n": 0.3}
     own = models.Results(tmp_path, SimpleNamespace())
-    monkeypatch.setattr(models.Results, "of", lambda *_: own)
+    monkeypatch.setattr(models.Results, "of_folder", lambda *_: own)
     monkeypatch.setattr(models, "recommendation_table", lambda _: pd.DataFrame([row, row]))
     assert cli.main(["recommend", str(tmp_path)]) == 0
     told = capsys.readouterr().out.splitlines()

@@ -144,9 +144,28 @@ def test_a_levitation_is_drawn_with_its_modelling_error_stiffness_and_resonance(
     assert band.vertices[:, 1].max() == pytest.approx(5.7)
     assert stiffness.get_ylabel() == "static stiffness (N/m)"
     assert resonance.get_ylabel() == "resonance (Hz)"
-    note = figure.texts[0].get_text()
-    assert "Bars: numerical error, at most 0.001 µm. Bands: modelling error." in note
-    assert len(curve_figure(table.assign(resonance_hz=None)).axes) == 2
+    note = " ".join(figure.texts[0].get_text().split())
+    assert "Bars: numerical error, at most 0.001 µm." in note
+    assert "Bars of the resonance: averaging, thermal effects and inertia." in note
+    assert "Bands: modelling error." in note
+    assert "Hollow" not in note
+    without = curve_figure(table.assign(resonance_hz=None))
+    assert len(without.axes) == 2
+    assert "resonance" not in without.texts[0].get_text()
+
+
+def test_a_gap_of_unknown_modelling_error_is_drawn_hollow():
+    table = points(x_m=0.0, y_m=0.0, load_n=[1.0, 2.0, 3.0, 4.0], h0_m=[6e-6, 5e-6, 4e-6, 3e-6])
+    ends = {
+        f"h0_modelling_error_{end}_m": [None, -1e-7, -1e-7, -1e-7] for end in ("lower", "upper")
+    }
+    table = table.drop(columns=["force_n", "force_error_n"]).assign(h0_error_m=1e-9, **ends)
+    figure = curve_figure(table)
+    (hollow,) = (
+        line for line in figure.axes[0].lines if str(line.get_markerfacecolor()) == "white"
+    )
+    assert hollow.get_ydata() == pytest.approx([6.0])
+    assert "Hollow: modelling error unknown." in figure.texts[0].get_text()
 
 
 def test_the_table_of_a_profile_is_drawn(tmp_path):

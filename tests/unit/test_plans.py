@@ -10,7 +10,7 @@ from squeezefilm.studies.plans import (
     plan_point_counts,
     plan_scenes_table,
     random_plan,
-    sweep_table_pieces,
+    sobol_sweep_pieces,
 )
 from squeezefilm.studies.space import pad_positions, space_filling_positions
 
@@ -63,6 +63,6 @@ def test_a_sweep_fills_its_box_more_evenly_than_chance():
         assert all(((unit >= 0) & (unit < 1)).all() for unit in units)
         return abs(np.prod(units, axis=0).mean() - 0.5**4)
 
-    even = [error(*sweep_table_pieces(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
+    even = [error(*sobol_sweep_pieces(points=1000, first=0, seed=seed, **BOX)) for seed in range(5)]
     random = [error(random_plan(points=1000, seed=seed, **BOX)) for seed in range(5)]
     assert np.mean(even) < 0.2 * np.mean(random)

@@ -1006,7 +1006,7 @@ def test_a_function_without_an_amplitude_is_named_and_excluded(tmp_path, value):
     scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
     said = "1 point without an amplitude, excluded from profile and noise (function 70)"
     assert scan.notes[-1] == said
-    assert (scan.missing, len(scan.x_m)) == (1, len(X) - 1)
+    assert (scan.missing_count, len(scan.x_m)) == (1, len(X) - 1)
     assert np.abs(scan.amplitude_m).max() < 1.3e-6
 
 

@@ -66,7 +66,7 @@ def test_a_direction_and_its_fold_have_one_force(case, quick):
     width = directions.width_deg
     images = (11, -11, 2 * width - 11) if directions.mirror else (11, 11 + width)
     angles = [directions.start_deg + image for image in images]
-    assert directions.fold(angles) == pytest.approx(directions.start_deg + 11)
+    assert directions.fold_directions(angles) == pytest.approx(directions.start_deg + 11)
     at = {"h0_m": 9e-6, "hv_m": 2e-6, "phi_r_m": 0.0007}
     scenes = scenes_of_table(pd.DataFrame({"phi_deg": angles}).assign(**at), config)
     solutions = solve(scenes, tolerance=1e-3)

@@ -1,6 +1,7 @@
 """Units of formulas: what does not fit is refused, what is not said is inferred."""
 
 import math
+import re
 
 import pytest
 from reference_forces import FOUR_FACTOR, TWO_FACTOR
@@ -8,6 +9,7 @@ from reference_forces import FOUR_FACTOR, TWO_FACTOR
 from squeezefilm.errors import InputError
 from squeezefilm.formatting import column_label, percent_text, result_lines_text
 from squeezefilm.models.force_model import ExpressionModel, make_model
+from squeezefilm.quantities.model_error import EFFECT_NAMES, Effect, ErrorBudget, budget_row
 
 
 def model(expression: str, **settings) -> ExpressionModel:
@@ -106,3 +108,27 @@ def test_friction_is_shown_of_a_sliding_pad():
 
 def test_a_derivative_by_the_prandtl_number_names_it():
     assert column_label("dforce_dprandtl") == "dF/d Prandtl number"
+
+
+@pytest.mark.parametrize(
+    ("row", "shown"),
+    [
+        ({"settling_start_s": 1e-4, "settling_start_error_s": 1e-4}, "0.2 ms"),
+        ({"resonance_hz": 112.4, "resonance_error_hz": 111.6}, "230 Hz"),
+        ({"damping_ratio": 0.23, "damping_ratio_error": 0.97}, "1.2"),
+    ],
+)
+def test_an_error_as_large_as_a_value_that_is_never_negative_leaves_a_bound(row, shown):
+    text = result_lines_text(row).partition("  ")[2]
+    assert text == f"below about {shown} (error as large as the value)"
+    _, error_name = row
+    assert "below" not in result_lines_text(row | {error_name: 1e-3 * row[error_name]})
+
+
+def test_an_effect_far_below_its_error_is_shown_as_a_bound():
+    effects = {name: Effect(0.0, 0.0) for name in EFFECT_NAMES}
+    effects |= {"flow_factor": Effect(-0.00033, 0.06), "depth_averaged": Effect(-1.1, 1.0)}
+    row = budget_row(ErrorBudget(effects, 0.0, (-2.2, 0.0))) | {"force_n": 0.1}
+    lines = dict(re.split(r"\s{2,}", line.strip()) for line in result_lines_text(row).splitlines())
+    assert lines["slip beyond first order"] == "within ± 0.06 %"
+    assert lines["depth averaged"] == "-0.0011 N, -1.1 % ± 1 %"

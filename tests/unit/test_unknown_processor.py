@@ -8,7 +8,7 @@ import pytest
 from squeezefilm.reynolds.device import (
     FLAGS_OF_INSTRUCTION_SET,
     instruction_set_level,
-    rename_processor,
+    patch_pocl_processor_name,
 )
 
 ALL = frozenset().union(*FLAGS_OF_INSTRUCTION_SET.values())
@@ -35,7 +35,7 @@ def record(*texts: bytes) -> ctypes.Array:
 def test_the_pointer_to_the_unknown_name_is_the_one_that_changes():
     there = record(b"pthread", b"generic", b"generic-not")
     before = list(there)
-    assert rename_processor(ctypes.addressof(there), "x86-64-v3")
+    assert patch_pocl_processor_name(ctypes.addressof(there), "x86-64-v3")
     changed = [place for place in range(200) if there[place] != before[place]]
     assert changed == [4]
     assert ctypes.string_at(there[4]) == b"x86-64-v3"
@@ -45,5 +45,5 @@ def test_the_pointer_to_the_unknown_name_is_the_one_that_changes():
 def test_a_record_without_it_is_left_alone():
     there = record(b"znver3")
     before = list(there)
-    assert not rename_processor(ctypes.addressof(there), "x86-64-v3")
+    assert not patch_pocl_processor_name(ctypes.addressof(there), "x86-64-v3")
     assert list(there) == before

@@ -375,7 +375,7 @@ def test_exported_code_brings_positions_to_those_that_stand_for_them(
         fit = read_fit(write_fit(model, theta, validation=own, directions=symmetry))
         points = np.column_stack([factors.column(name) for name in model.factor_names])
         found, _ = np.array(run(fit, points, tmp_path), dtype=float).T
-        exact = fit.evaluate(fit.folded(factors))
+        exact = fit.evaluate(fit.folded_factors(factors))
         np.testing.assert_allclose(found, exact, rtol=1e-12)
 
 

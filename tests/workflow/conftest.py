@@ -117,7 +117,7 @@ class Study:
 
     @property
     def results(self) -> Results:
-        return Results.of(self.root, self.config)
+        return Results.of_folder(self.root, self.config)
 
     def changed(
         self, folder: Path, file: str, edit: Callable[[pd.DataFrame], pd.DataFrame]
@@ -125,7 +125,7 @@ class Study:
         """The results in another folder, with one table changed."""
         shutil.copytree(self.root, folder, dirs_exist_ok=True)
         edit(pd.read_csv(folder / file)).to_csv(folder / file, index=False)
-        return Results.of(folder, self.config)
+        return Results.of_folder(folder, self.config)
 
 
 @pytest.fixture(scope="session")

@@ -101,7 +101,7 @@ def test_a_study_beyond_its_equation_says_so_below_its_figures(study, repository
 def test_a_style_file_of_the_study_is_used_and_a_wrong_one_is_named(study, tmp_path):
     text = study.config.read_text(encoding="utf-8") + "figures: {style: my.mplstyle}\n"
     (tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
-    results, own = Results.of(study.root, tmp_path / "mine.yaml"), tmp_path / "my.mplstyle"
+    results, own = Results.of_folder(study.root, tmp_path / "mine.yaml"), tmp_path / "my.mplstyle"
     own.write_text("font.family: serif\n", encoding="utf-8")
     draw_and_save(FIGURES["figures/fig07"], results, [tmp_path / "a.svg"])
     assert "DejaVu Serif" in (tmp_path / "a.svg").read_text(encoding="utf-8")
@@ -193,7 +193,7 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
         "h0_m,hv_m,modelling_error_lower_percent,modelling_error_upper_percent,unknown_effects,"
         "included_effects\n5e-6,1e-6,-1.2,0.5,,\n6e-6,1e-6,-2,11,inertia,\n"
     )
-    results = Results.of(tmp_path, repository / "config/plate.yaml")
+    results = Results.of_folder(tmp_path, repository / "config/plate.yaml")
     text = render_template("in_short.md", **headline_values(results), pictures=defaultdict(str))
     assert "limit_1, global error 0.9 % on 32 points of the validation sample" in text
     assert "simulations). No model compared is within the study's ±15 %" in text
@@ -212,7 +212,7 @@ def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repo
     (tmp_path / "models/recommended.csv").write_text(
         "space,model\ntwo_factor,limit_1\nfour_factor,limit_2\nfour_factor,limit_2\n"
     )
-    results = Results.of(tmp_path, repository / "config/plate.yaml")
+    results = Results.of_folder(tmp_path, repository / "config/plate.yaml")
     forces = {"screen": results.forces("screen")}
     about = {"fits": ["screen"], "forces": forces, "drawing_library": ""}
     page = explorer_page(results, candidates=["limit_2"], **about)

@@ -207,7 +207,7 @@ def test_models_are_ranked_on_half_of_the_validation_sample(study, tmp_path):
     assert len(errors) == 99 * len(table)
     whole, _ = models.compare_candidates(study.results, "two_factor")
     assert whole.set_index("model")["validation_error"].idxmin() == "limit_1"
-    parameters = models.models_page(study.results, space="two_factor").values["parameters"]
+    parameters = models.models_page(study.results, space="two_factor").template_values["parameters"]
     ends = parameters.iloc[-1][["lower end", "estimate", "upper end"]].tolist()
     assert ends == sorted(ends, key=float)
     (tmp_path / "models/two_factor/limit_1.json").unlink()

@@ -1,11 +1,11 @@
 """Put the parts of a simulated plan together: every point of the plan has its force."""
 
-from squeezefilm.tables import merge_forces, merge_timings
+from squeezefilm.tables import concatenate_force_parts, merge_timings
 from squeezefilm_workflow.job import Job, Study, run_script
 
 
 def main(snakemake: Job, config: Study) -> None:
-    merge_forces(
+    concatenate_force_parts(
         snakemake.input.scenes,
         snakemake.input.forces,
         output=snakemake.output.forces,

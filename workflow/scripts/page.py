@@ -23,7 +23,7 @@ def main(snakemake: Job, config: Study) -> None:
     build = getattr(import_module(MODULE_OF_PAGE[params.page]), f"{params.page}_page")
     page = build(results, **params.get("about", {}), **snakemake.wildcards)
     write_outputs(output, **page.file_contents)
-    text = render_template(f"{params.page}.md", **page.values)
+    text = render_template(f"{params.page}.md", **page.template_values)
     write_page(text, output.page, folder=results.folder, beyond=results.validity_note)
 
 

@@ -16,7 +16,7 @@ def main(snakemake: Job, config: Study) -> None:
         file = results.folder / f"tables/table{number}.csv"
         write_outputs({"csv": file}, **table.file_contents)
         page = results.folder / f"report/table{number}.html"
-        write_page(render_template("table.md", **table.values), page)
+        write_page(render_template("table.md", **table.template_values), page)
     claims = claims_with_verdicts(results)
     write_table(claims, results.folder / "claims.csv")
     text = render_template("claims.md", claims=claims, **claim_verdict_counts(claims))

@@ -14,7 +14,7 @@ class Column(NamedTuple):
 
     Attributes:
         unit: as its name ends, 1 for a plain number, ``text`` or ``bool``.
-        tables: the tables that have it.
+        table_names: the tables that have it.
         label: its name in lines for people without the unit, where ``name`` itself is none.
         symbol: its symbol in LaTeX.
         shown_unit: the unit in which figures and sentences have it.
@@ -24,7 +24,7 @@ class Column(NamedTuple):
     name: str
     unit: str
     meaning: str
-    tables: str
+    table_names: str
     label: str
     symbol: str = ""
     shown_unit: str = ""

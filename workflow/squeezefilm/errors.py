@@ -60,7 +60,7 @@ def prefix_errors(source: object) -> Iterator[None]:
 
 
 @contextmanager
-def requires_extra(extra: str, *, what: str) -> Iterator[None]:
+def imports_from_extra(extra: str, *, what: str) -> Iterator[None]:
     """Imports within are of packages that only an extra of the library brings.
 
     Raises InputError saying what needs them and how they are installed.

@@ -58,6 +58,12 @@ EFFECTS_WITH_ESTIMATED_ERROR = (
     "ram_pressure",
     "flow_factor",
 )
+# Never negative: an error as large as the value leaves an upper bound.
+NON_NEGATIVE_QUANTITIES = ("resonance", "damping_ratio", "settling_start", "settling_stop")
+# Of a levitation, whose modelling error is that of its gap.
+COLUMNS_WITHOUT_MODELLING_ERROR = ("stiffness_n_per_m", "resonance_hz", "damping_ratio")
+# An effect is shown as a bound where it is less than this fraction of its error.
+MIN_EFFECT_OVER_ERROR = 0.1
 SYMMETRY_OF_DOMAIN = {"whole": "none", "quarter": "x and y", "radius": "all around"}
 MIN_VALUE_SHOWN_IN_MILLI, MIN_VALUE_WITHOUT_EXPONENT, MIN_EFFECT_SHOWN_PERCENT = 1e-4, 1e-4, 0.05
 
@@ -171,11 +177,16 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
     errors = [row[each] for each in error_columns(name, row)]
+    if errors and stem in NON_NEGATIVE_QUANTITIES and round_up_error(max(errors)) >= value:
+        bound = value_text(round_up_error(value + max(errors)), unit)
+        return f"below about {bound} (error as large as the value)"
     text = value_text(value, unit, error=max(errors, default=None))
-    if len(errors) < 2 or "±" not in text:
+    if "±" not in text:
         return text
-    shown = [error_text_in_unit(each, value=value, unit=unit) for each in errors]
-    return f"{text.partition('±')[0]}± {', measurement noise ± '.join(shown)}"
+    if len(errors) > 1:
+        shown = [error_text_in_unit(each, value=value, unit=unit) for each in errors]
+        text = f"{text.partition('±')[0]}± {', measurement noise ± '.join(shown)}"
+    return text + " (without the modelling error)" * (name in COLUMNS_WITHOUT_MODELLING_ERROR)
 
 
 def _take_result_lines(row: Row) -> LabelledLines:
@@ -291,6 +302,9 @@ def _take_effect_lines(row: Row) -> LabelledLines:
         text = effect_change_text(effect, *[edge] * (name == "edge_loss"))
         if name in EFFECTS_WITH_ESTIMATED_ERROR:
             text += f" ± {percent_text(error, sign='', digits=1)}"
+            if abs(effect) < MIN_EFFECT_OVER_ERROR * error:
+                bound = percent_text(abs(effect) + error, sign="", digits=1)
+                text = f"within ± {bound}"
         if not abs(effect) + error < MIN_EFFECT_SHOWN_PERCENT:
             lines.append(
                 (f"  {column_label(name)}", text if isfinite(effect) else NOT_AVAILABLE_TEXT)

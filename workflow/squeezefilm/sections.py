@@ -90,7 +90,7 @@ DERIVED_DEFAULT: Any = Field(default=None)
 """Of an optional key: ``default:`` in the docstring says what follows from others."""
 NOT_GIVEN: Any = None
 """The same of one of the film's types."""
-TermSetting = Literal["none", "included", "auto"]
+TermInclusion = Literal["none", "included", "auto"]
 
 
 def add_key_meanings(schema: dict[str, Any], section: type) -> None:

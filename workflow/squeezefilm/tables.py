@@ -22,9 +22,9 @@ from squeezefilm.errors import (
     MAX_ROWS_IN_MESSAGE,
     InputError,
     RunError,
+    imports_from_extra,
     prefix_errors,
     raise_row_problems,
-    requires_extra,
 )
 from squeezefilm.files import atomic_file, read_text, write_text
 from squeezefilm.film.positions import (
@@ -92,11 +92,11 @@ _WORDS_OF_COLUMN = {
 }
 COLUMN_OF_WORDS = {words: name for name, several in _WORDS_OF_COLUMN.items() for words in several}
 """What people call columns, each also with the word uncertainty, and units beside it."""
-SIZES_OF_UNIT_NAMES = {
+UNIT_SIZES_OF_BASE_UNIT = {
     unit.lower(): {fold_accents(name): size for name, size in unit_sizes(unit).items()}
     for unit in ("m", "deg", "N")
 }
-KNOWN_UNIT_NAMES = {name for units in SIZES_OF_UNIT_NAMES.values() for name in units}
+KNOWN_UNIT_NAMES = {name for units in UNIT_SIZES_OF_BASE_UNIT.values() for name in units}
 
 OtherColumnsPolicy = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
@@ -391,7 +391,7 @@ def _column_and_unit_size(cell: str) -> tuple[str, float | None]:
         if text in COLUMN_OF_WORDS:
             stem, _, base = COLUMN_OF_WORDS[text].rpartition("_")
             name = f"{stem}_uncertainty_{base}" if uncertain else COLUMN_OF_WORDS[text]
-            return name, SIZES_OF_UNIT_NAMES[base].get(unit)
+            return name, UNIT_SIZES_OF_BASE_UNIT[base].get(unit)
     return cell, None
 
 
@@ -413,7 +413,7 @@ def _cell_in_si(cell: str, size: float) -> str:
 
 def _read_parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFrame, list[int]]:
     """Some rows of a Parquet file, and their numbers; no others are held."""
-    with requires_extra("parquet", what="a table in Parquet"):
+    with imports_from_extra("parquet", what="a table in Parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
 
@@ -483,7 +483,7 @@ def _check_header(
         own, _ = _column_and_unit_size(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
-            units = ", ".join(f"{stem}_{unit}" for unit in SIZES_OF_UNIT_NAMES[base])
+            units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES_OF_BASE_UNIT[base])
             raise InputError(
                 f"column {name!r} needs a unit, one of {units}; the table needs {required}"
             )
@@ -523,7 +523,7 @@ def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str]
 
 def check_parquet_installed() -> None:
     """Raise InputError where the package is missing that reads and writes Parquet."""
-    with requires_extra("parquet", what="a table in Parquet"):
+    with imports_from_extra("parquet", what="a table in Parquet"):
         import pyarrow  # noqa: F401
 
 
@@ -580,7 +580,7 @@ def _csv_writer(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
 
 @contextmanager
 def _parquet_writer(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
-    with requires_extra("parquet", what="a table in Parquet"):
+    with imports_from_extra("parquet", what="a table in Parquet"):
         import pyarrow as pa
         import pyarrow.parquet as pq
 
@@ -607,7 +607,7 @@ def _parquet_writer(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
         yield write
 
 
-def merge_forces(
+def concatenate_force_parts(
     scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
 ) -> None:
     """Put the forces of a plan's parts together, one part and its rows of the plan held at a time.

@@ -14,7 +14,7 @@ import numpy as np
 from squeezefilm.api.forces import Force, forces_table, solve_forces
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import load_film, validated_sections
-from squeezefilm.errors import InputError, RunError, requires_extra
+from squeezefilm.errors import InputError, RunError, imports_from_extra
 from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import OK
@@ -159,7 +159,7 @@ class Film:
         ``gas``: name, inertia, thermal, rarefaction; ``solver``: tolerance, method.
 
         By default the gas is air at 20 °C, with inertia and thermal effects where they matter, the
-        pad a flat rectangle at rest and the relative tolerance 1e-6. The path of a measured
+        pad a flat rectangle at rest and the relative tolerance 1e-4. The path of a measured
         profile's file is relative to the working directory.
         Raises InputError naming the key, what is wrong with it and what is allowed.
 
@@ -383,7 +383,7 @@ class Film:
             >>> field = study.pressure(h0="5 um", hv="2 um")
             >>> field.gauge_pressure.mean("phase").max()  # Pa
         """
-        with requires_extra("fields", what="a pressure field"):
+        with imports_from_extra("fields", what="a pressure field"):
             import xarray
         for name, value, least, most in (
             ("places", places, *POINTS_PER_SIDE_RANGE),

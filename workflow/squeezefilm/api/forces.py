@@ -304,7 +304,9 @@ def preview_table(
         row |= {
             "validity": validity_text(scene),
             "absent_terms": "; ".join(term.name for term in absent),
-            "absent_term_reasons": "; ".join(f"{term.name}: {term.reason}" for term in absent),
+            "absent_term_reasons": "; ".join(
+                f"{term.name}: {term.absence_reason}" for term in absent
+            ),
             "notes": "; ".join(validity_notes(scene)),
         }
         if settings.outputs:

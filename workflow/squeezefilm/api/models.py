@@ -113,7 +113,7 @@ class Fit:
         fit = self.model
         with prefix_errors(place):
             points = _points_with_factor_columns(points, needed=FACTOR_COLUMNS[:2])
-            factors = fit.folded(factors_of_table(points))
+            factors = fit.folded_factors(factors_of_table(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -288,7 +288,7 @@ class Study(Film):
             raise InputError(f"seeds: {seeds} must be 1 or more")
         config = self.config
         chosen = get_model(model, config.models, source=config.path)
-        forces, sample = self._plan_and_sample_forces(centred=chosen.is_centred)
+        forces, sample = self._plan_and_sample_forces(centred=chosen.is_for_centred_pad)
         for failure in failed_point_texts(forces):
             raise RunError(failure)
         fitted, _ = fit_to_forces(
@@ -310,7 +310,10 @@ class Study(Film):
         if centred not in self._forces_cache:
             sample = plan_scenes_table(VALIDATION_SAMPLE_PLANS[0 if centred else 1], self.config)
             points = self.plan(centred=centred)
-            self._forces_cache[centred] = self._solved(points), self._solved(sample)
+            self._forces_cache[centred] = (
+                self._points_with_forces(points),
+                self._points_with_forces(sample),
+            )
         return self._forces_cache[centred]
 
     @cached_property
@@ -323,7 +326,7 @@ class Study(Film):
     def _forces_cache(self) -> dict[bool, tuple[pd.DataFrame, pd.DataFrame]]:
         return {}
 
-    def _solved(self, points: pd.DataFrame) -> pd.DataFrame:
+    def _points_with_forces(self, points: pd.DataFrame) -> pd.DataFrame:
         """The points with their forces."""
         settings = self.solver(outputs=())
         scenes = settings.with_auto_terms_decided(self.scenes(points))

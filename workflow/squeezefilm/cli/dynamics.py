@@ -59,11 +59,15 @@ def levitate(options: argparse.Namespace) -> None:
     error of the force divided by the stiffness; `h0_error_m` is the numerical error, and
     `h0_measurement_noise_m` what the noise of a scanned profile adds.
 
-    There is no gap where no gap carries the load, where the modelling error exceeds a tenth of the
-    gap, and outside the limits of validity of the film equation. The `status` of a row gives the
-    reason; a single load ends with exit status 1 and the range within the limits of validity.
+    There is no gap where no gap carries the load, where the known part of the modelling error
+    exceeds a tenth of the gap, and outside the limits of validity of the film equation. The
+    `status` of a row gives the reason; a single load ends with exit status 1 and the ranges within
+    the limits of validity. Where `unknown_effects` is not empty, the modelling error is unknown: do
+    not use the gap without a measurement.
+
     `stiffness_n_per_m` is −∂F/∂h0 for slow motion at constant amplitude; its error does not contain
-    the noise of the scan. `stable` refers to vertical motion only.
+    the noise of the scan. `stable` refers to vertical motion only. The errors of stiffness,
+    resonance and damping ratio do not contain the modelling error.
 
     `other_gaps_m` are approximate smaller gaps that carry the same load. Without --load the load is
     the weight of the mass. With a mass, `resonance_hz` = |Im s|/2π and `damping_ratio` = −Re s/|s|
@@ -72,9 +76,9 @@ def levitate(options: argparse.Namespace) -> None:
     the gap found.
 
     `modelling_error_lower_percent` and `…_upper_percent` bound the change of the force by neglected
-    effects; they are unknown with the effects in `unknown_effects`. `note` gives the terms that
-    `auto` does not include, those included near their limit, and the reason for a missing
-    resonance. Of several loads each gap is told on stderr as soon as it is known.
+    effects. `note` gives the terms that `auto` does not include, those included near their limit,
+    and the reason for a resonance that is missing or has an error as large as itself. Of several
+    loads each gap is told on stderr as soon as it is known.
     """
     film = film_of_options(options)
     mass_kg = (

@@ -64,6 +64,10 @@ SYNONYMS_OF_OPTION = {
     "tolerance": "accuracy error rtol",
 }
 """What people call options, by the names that options have here, without dashes."""
+HINTS_TO_OTHER_COMMANDS = {
+    "outputs": "`squeezefilm simulate --outputs` computes further quantities at a given gap; "
+}
+"""By the names of options, for commands that do not have them."""
 COMMAND_NAME_WIDTH, OVERVIEW_WIDTH = 18, 100
 
 
@@ -190,9 +194,10 @@ def _option_hint(word: str, known: Sequence[str]) -> str:
     if stem in known or len([name for name in known if name.startswith(stem)]) == 1:
         return ""
     called = stem.lstrip("-").lower().replace("_", "-")
-    own = [f"--{name}" for name, others in SYNONYMS_OF_OPTION.items() if called in others.split()]
-    near = " or ".join(repr(name) for name in own if name in known)
-    return f"did you mean {near}? " if near else ""
+    own = [name for name, others in SYNONYMS_OF_OPTION.items() if called in (name, *others.split())]
+    near = " or ".join(repr(f"--{name}") for name in own if f"--{name}" in known)
+    elsewhere = "".join(HINTS_TO_OTHER_COMMANDS.get(name, "") for name in own)
+    return f"did you mean {near}? " if near else elsewhere
 
 
 def _nearest_name_hint(word: str, known: Iterable[str]) -> str:

@@ -136,7 +136,7 @@ def config(options: argparse.Namespace) -> None:
     print(effective_yaml(study), end="")
     for note in study_notes(study):
         print(f"note: {note}", file=sys.stderr)
-    named = {name for section in (study.comparison, study.refine) for name in section.all}
+    named = {name for section in (study.comparison, study.refine) for name in section.all_names}
     for name in [model for model in study.models if model not in named]:
         print(f"note: models.{name} is not fitted: add it to a comparison", file=sys.stderr)
 

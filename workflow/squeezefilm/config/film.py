@@ -125,7 +125,7 @@ class FilmSections(Section):
         """
         if smoothed := self.smoothed_scan():
             return smoothed.profile
-        return self.actuator.profile.on(self.actuator.surface)
+        return self.actuator.profile.on_surface(self.actuator.surface)
 
     def profile_for_planning(self) -> Profile:
         """The vibration shape as far as plans need it: of a scan a usual one: it is not smoothed.

@@ -307,7 +307,7 @@ def effective_yaml(config: FilmSections, *, folder: Path | None = None) -> str:
     return head + "".join(f"{line}\n" for line in _yaml_lines(sections, (), config))
 
 
-USUAL_RANGE_OF_UNIT = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
+USUAL_RANGE_AND_INPUT_UNIT = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
 """Range of a study's frequencies and lengths, and the unit that people give them in."""
 PAPERS_ACTUATOR = Actuator(43.27e3, 10e-3, profile=Sinc(wave_number_per_m=109.8))
 PAPERS_PAD = Pad(10e-3, 10e-3)
@@ -329,8 +329,8 @@ def differences_from_paper(config: Study) -> Iterator[str]:
 def study_notes(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
-    Numbers without a unit that lie outside USUAL_RANGE_OF_UNIT, a study of the paper with another
-    film, a standing wave without a model that repeats along it.
+    Numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT, a study of the paper with
+    another film, a standing wave without a model that repeats along it.
     """
     if config.paper and (changes := list(differences_from_paper(config))):
         yield (
@@ -344,8 +344,8 @@ def study_notes(config: Study) -> Iterator[str]:
         )
     for place, value in config.written_values.items():
         unit = unit_of_schema(_schema_of_config_key(config, place))
-        if unit in USUAL_RANGE_OF_UNIT and isinstance(value, int | float):
-            least, most, meant = USUAL_RANGE_OF_UNIT[unit]
+        if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):
+            least, most, meant = USUAL_RANGE_AND_INPUT_UNIT[unit]
             if not least <= abs(value) <= most:
                 key = ".".join(map(str, place))
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"

@@ -232,12 +232,12 @@ class ModelNamesBySpace(Section):
     two_factor: ModelNames = DERIVED_DEFAULT
     four_factor: ModelNames = DERIVED_DEFAULT
 
-    def of(self, space: str) -> list[str]:
+    def names_of_space(self, space: str) -> list[str]:
         """The models of a space, ``two_factor`` or ``four_factor``."""
         return {"two_factor": self.two_factor, "four_factor": self.four_factor}[space]
 
     @property
-    def all(self) -> list[str]:
+    def all_names(self) -> list[str]:
         """The models of both spaces."""
         return [*self.two_factor, *self.four_factor]
 

@@ -73,12 +73,13 @@ def d_efficiency(derivatives: ArrayLike, optimal: ArrayLike) -> float:
 class Criterion:
     """The paper's criterion of a design, to be minimised.
 
-    The determinant (11) alone; plus the inverse distances of (12) where `distance` gives the
-    coordinates to take them in; and, where `separation` is set, only for designs whose points are
-    at least that far apart in the coordinates `apart` (SINGULAR_CRITERION_VALUE for any other).
+    The determinant (11) alone; plus the inverse distances of (12) where `distance_coordinates`
+    gives the coordinates to take them in; and, where `separation` is set, only for designs whose
+    points are at least that far apart in the coordinates `separation_coordinates`
+    (SINGULAR_CRITERION_VALUE for any other).
     """
 
-    gradient: GradientFunction
+    model_derivatives: GradientFunction
     space: Space
     distance_coordinates: CoordinateFunction | None = None
     separation_coordinates: CoordinateFunction | None = None
@@ -86,7 +87,7 @@ class Criterion:
 
     def derivatives(self, designs: Array) -> Array:
         """F of designs of shape (..., N, k), shape (..., N, p)."""
-        rows = self.gradient(designs.reshape(-1, designs.shape[-1]))
+        rows = self.model_derivatives(designs.reshape(-1, designs.shape[-1]))
         return rows.reshape(*designs.shape[:-1], rows.shape[-1])
 
     def value(self, designs: Array) -> Array:
@@ -245,7 +246,7 @@ def _sorted_points(points: Array, space: Space) -> Array:
 class DesignPattern:
     """Designs that are the same but for the order of their points.
 
-    design is the best of them, members are their places among all designs.
+    design is the best of them, design_indices are their places among all designs.
     """
 
     name: str
@@ -254,7 +255,7 @@ class DesignPattern:
 
 
 @dataclass(eq=False)
-class SupportPoint:
+class PatternPoint:
     """One place in the space of the experiment, shape (k,), and the names of the patterns that have
     a point there, or the word augmentation."""
 
@@ -284,25 +285,25 @@ def find_design_patterns(designs: Sequence[Design], space: Space) -> list[Design
     ]
 
 
-def distinct_support_points(patterns: Sequence[DesignPattern], space: Space) -> list[SupportPoint]:
+def distinct_support_points(patterns: Sequence[DesignPattern], space: Space) -> list[PatternPoint]:
     """The distinct points of all patterns, each with the patterns it occurs in.
 
     Of points that are one the first pattern's is kept.
     """
-    regions: list[SupportPoint] = []
+    regions: list[PatternPoint] = []
     for pattern in patterns:
         for point in pattern.design.points:
             gaps = [np.linalg.norm(space.to_unit(point) - space.to_unit(r.point)) for r in regions]
             if min(gaps, default=np.inf) > SAME_POINT_DISTANCE:
-                regions.append(SupportPoint(point, [pattern.name]))
+                regions.append(PatternPoint(point, [pattern.name]))
             elif pattern.name not in (near := regions[int(np.argmin(gaps))]).pattern_names:
                 near.pattern_names.append(pattern.name)
     return regions
 
 
 def add_corner_points(
-    criterion: Criterion, regions: Sequence[SupportPoint], points: int
-) -> list[SupportPoint]:
+    criterion: Criterion, regions: Sequence[PatternPoint], points: int
+) -> list[PatternPoint]:
     """Regions extended to so many points, each time by the corner with the least criterion.
 
     The points given stay where they are. A free point would settle next to one that is there
@@ -326,7 +327,7 @@ def add_corner_points(
         values = spaced.value(trials)
         if values.min() >= SINGULAR_CRITERION_VALUE:
             raise InputError(f"design: no corner is left for one of {points} points; ask for fewer")
-        extended.append(SupportPoint(candidates[int(np.argmin(values))], ["augmentation"]))
+        extended.append(PatternPoint(candidates[int(np.argmin(values))], ["augmentation"]))
     return extended
 
 

@@ -308,7 +308,7 @@ def averaged_film_on_grid(
     )
     limit = edge_layer_expansion(films)
     with np.errstate(divide="ignore", invalid="ignore"):
-        error = float(np.abs(limit.error / limit.mean)[0])
+        error = float(np.abs(limit.pressure_ratio_error / limit.mean_pressure_ratio)[0])
     return PeriodAveragedFilm(rectangle_grid(films), *numbers), error
 
 

@@ -26,7 +26,7 @@ from squeezefilm.dynamics.averaged_film import (
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import GAP_RANGE_M, OK, exceeded_limit_texts, validity_texts
-from squeezefilm.formatting import scene_row
+from squeezefilm.formatting import number_text, scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import track_progress
 from squeezefilm.quantities.model_error import (
@@ -43,6 +43,7 @@ from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import validity_notes
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from squeezefilm.tables import read_forces
+from squeezefilm.units import round_up_error
 
 # Gaps that are looked at first, from where the surface nearly touches: hv over them, in equal
 # ratios.
@@ -51,6 +52,10 @@ TRIAL_FORCE_TOLERANCE = 1e-2
 # Relative error of the forces by which a gap is sought before it is refined.
 ROUGH_FORCE_TOLERANCE = 1e-3
 MAX_ROOT_STEPS = 40
+# Rounds of a gap found and its terms decided there, until both agree.
+MAX_TERM_ROUNDS = 4
+# Gaps of the range of validity that a message names: 2 % apart or less.
+RANGE_GAP_COUNT = 377
 # Change of ln h0 in a step, and the force over the load that stands for smaller ones.
 MAX_LOG_GAP_STEP, MIN_FORCE_OVER_LOAD = 0.2, 1e-6
 # A gap is not given where its modelling error is more than this fraction of it.
@@ -134,20 +139,10 @@ class Levitation:
         return (NEGLECTED_EFFECT_GAP_EXPONENT + (steepness + 1) / 2) * moved_m**2 / self.scene.h0_m
 
     @property
-    def invalidity_reasons(self) -> list[str]:
-        """Return the reasons why the gap is not valid for a real film; empty where it is."""
-        reasons = list(exceeded_limit_texts(self.scene))
+    def known_modelling_error_m(self) -> float:
+        """Return the largest size of the gap's modelling error, by the effects that are known."""
         error_m = abs(self._gap_change_m(self.budget.known_error_percent))
-        error_m += self.second_order_error_m(error_m)
-        if (
-            self.budget.status == "ok"
-            and not error_m <= MAX_RELATIVE_MODELLING_ERROR * self.scene.h0_m
-        ):
-            reasons.append(
-                f"the gap's modelling error, up to {1e6 * error_m:.2g} µm, is more than a tenth of "
-                "the gap"
-            )
-        return reasons
+        return error_m + self.second_order_error_m(error_m)
 
 
 def levitate(
@@ -161,17 +156,19 @@ def levitate(
 ) -> Levitation:
     """Return the gap at which the film carries a load; the gap of ``scene`` is ignored.
 
+    Terms that are ``auto`` are those that a force at this gap has.
+
     Raises:
         InputError: for a load that is not positive, or one that no gap carries, with the range.
-        RunError: where a force near the gap cannot be had to the tolerance, or where the gap says
-            nothing of a real film (``Levitation.invalidity_reasons``).
+        RunError: where a force near the gap cannot be had to the tolerance, where the gap exceeds a
+            limit of validity, and where its known modelling error is too large.
     """
     if not (isfinite(load_n) and load_n > 0):
         raise InputError(f"load: {load_n:g} N must be a positive force")
     how = {"tolerance": tolerance, "method": method, "device": device}
     # Terms that such a look can do without are not included.
-    gaps_m = _trial_gaps_m(scene)
-    looked_at = _scenes_at_gaps(scene.viscous(), *gaps_m)
+    gaps_m = _trial_gaps_m(scene, TRIAL_GAP_COUNT)
+    looked_at = _scenes_at_gaps(scene.viscous(), gaps_m)
     forces_n = solve(looked_at, tolerance=TRIAL_FORCE_TOLERANCE, device=device).force_n
     known = np.isfinite(forces_n)
     gaps, forces = gaps_m[known], forces_n[known]
@@ -191,61 +188,45 @@ def levitate(
             f"carries "
             f"{load_n:g} N at hv = {_micrometre_text(scene.hv_m)}; forces there: {carried}"
         )
-    near = replace(scene, h0_m=rough[-1].gap_m)
-    # Terms are decided for this gap and kept: the force must not jump while the gap is sought.
-    (chosen,) = resolve_auto_terms(
-        [near], model_tolerance=model_tolerance, method=method, device=device
+    found, note = _scene_at_load(
+        scene, rough[-1], load_n=load_n, model_tolerance=model_tolerance, how=how
     )
-    # An ``auto`` term that keeps the force from being found is given up: thermal, then inertia.
-    open_ = [name for name in reversed(AUTO_TERMS) if getattr(near.gas, name) == "auto"]
-    not_included: dict[str, str] = {}
-    levitation = None
-    while levitation is None:
-        try:
-            levitation = _levitation_at_load(chosen, rough[-1], load_n=load_n, how=how)
-        except RunError as error:
-            name = next((n for n in open_ if getattr(chosen.gas, n) == "included"), None)
-            if name is None:
-                reasons = "; ".join([str(error), *validity_notes(chosen)])
-                raise RunError(reasons) from error
-            not_included[name] = str(error).removeprefix("load: ")
-            chosen = chosen.with_gas(**{name: "none"})
-    # Outside the limits of validity no gap is given, whatever its modelling error.
-    budget = ErrorBudget(status="outside the limits of validity")
-    if not exceeded_limit_texts(levitation.scene):
-        (budget,) = error_budgets([levitation.scene], device=device)
-    notes = unsupported_auto_term_texts(near, method=method)
-    for name, reason in not_included.items():
-        unknown = name in budget.unknown_effect_names
-        effect = "its effect is unknown" if unknown else "its effect is in the modelling error"
-        notes.append(f"gas.{name} is auto and not included: {reason}; {effect}")
-    stretched = validity_notes(levitation.scene)
+    notes = [*unsupported_auto_term_texts(scene, method=method), *[note] * bool(note)]
+    not_given = f"load: no gap is given for {load_n:g} N: "
+    if limits := exceeded_limit_texts(found):
+        raise RunError(not_given + "; ".join([*limits, *notes]))
+    (budget,) = error_budgets([found], device=device)
     levitation = replace(
-        levitation,
+        _levitation_at_gap(found, load_n=load_n, how=how),
         other_gaps_m=tuple(other.gap_m for other in rough[:-1]),
         budget=budget,
-        notes=(*notes, *stretched),
+        notes=(*notes, *validity_notes(found)),
     )
-    if doubts := levitation.invalidity_reasons:
-        text = "; ".join([*doubts, *notes])
-        raise RunError(f"load: no gap is given for {load_n:g} N: {text}")
+    error_m = levitation.known_modelling_error_m
+    if budget.status == OK and not error_m <= MAX_RELATIVE_MODELLING_ERROR * found.h0_m:
+        too_large = (
+            f"the gap's modelling error, up to {1e6 * error_m:.2g} µm, is more than a tenth of the "
+            "gap"
+        )
+        raise RunError(not_given + "; ".join([too_large, *notes]))
     return levitation
 
 
 def valid_range_text(
     scene: Scene, *, device: Device, tolerance: float, model_tolerance: float, method: str
 ) -> str:
-    """Describe the range of gaps and loads within the limits of validity at a scene's amplitude.
+    """Describe the ranges of gaps and loads within the limits of validity at a scene's amplitude.
 
-    With terms as ``levitate`` decides them: limits and forces depend on them. A modelling error may
-    be too large there nevertheless: to know it would take longer than a gap.
+    With terms as ``levitate`` decides them: limits and forces depend on them, so that there may be
+    several ranges. A modelling error may be too large there nevertheless: to know it would take
+    longer than a gap.
     """
-    gaps_m = _trial_gaps_m(scene)
+    gaps_m = _trial_gaps_m(scene, RANGE_GAP_COUNT)
     auto = [name for name in AUTO_TERMS if getattr(scene.gas, name) == "auto"]
     # Whether the limits hold at each gap, for each choice of these terms.
     by_choice = np.array(
         [
-            validity_texts(Scenes.of(_scenes_at_gaps(scene.with_gas(**chosen), *gaps_m))) == OK
+            validity_texts(Scenes.of(_scenes_at_gaps(scene.with_gas(**chosen), gaps_m))) == OK
             for values in product(("none", "included"), repeat=len(auto))
             for chosen in [dict(zip(auto, values, strict=True))]
         ]
@@ -260,8 +241,9 @@ def valid_range_text(
     limited = np.flatnonzero(by_choice.any(axis=0) & ~by_choice.all(axis=0))
     limited = limited if limited.size else np.array([len(gaps_m) - 1])
     decided = resolve_auto_terms(
-        _scenes_at_gaps(scene, *gaps_m[limited]),
+        _scenes_at_gaps(scene, gaps_m[limited]),
         model_tolerance=model_tolerance,
+        tolerance=tolerance,
         method=method,
         device=device,
     )
@@ -275,57 +257,102 @@ def valid_range_text(
     with np.errstate(invalid="ignore"):
         valid = (np.gradient(forces_n, gaps_m) < 0) & (forces_n > 0)
     valid &= validity_texts(Scenes.of(at_gaps)) == OK
-    if not valid.any():
+    ends = np.flatnonzero(np.diff(valid, prepend=False, append=False)).reshape(-1, 2)
+    if not ends.size:
         return NO_VALID_GAP_TEXT
-    gaps, loads = (_inward_rounded_range_text(values[valid]) for values in (1e6 * gaps_m, forces_n))
-    return (
-        f"at this amplitude the limits of validity hold for gaps of about {gaps} µm, loads of "
-        f"about {loads} N"
+    gaps, loads = (
+        [_inward_rounded_range_text(values[slice(*run)]) for run in ends]
+        for values in (1e6 * gaps_m, forces_n)
     )
+    ranges = ", ".join(
+        f"gaps of about {gap} µm with loads of about {load} N"
+        for gap, load in zip(gaps, loads, strict=True)
+    )
+    return f"at this amplitude the limits of validity hold for {ranges}"
 
 
 def _inward_rounded_range_text(values: np.ndarray) -> str:
-    """Return the range of some positive values, its ends rounded inwards to two digits."""
+    """Return the range of some positive values, its ends rounded inwards to two or three digits."""
     low, high = float(values.min()), float(values.max())
-    low_digit, high_digit = (10.0 ** (floor(log10(end)) - 1) for end in (low, high))
-    ends = ceil(low / low_digit) * low_digit, floor(high / high_digit) * high_digit
-    if ends[0] >= ends[1]:
-        ends = low, high
-    return " to ".join(dict.fromkeys(f"{end:.2g}" for end in ends))
+    for digits in (2, 3):
+        low_digit, high_digit = (10.0 ** (floor(log10(end)) + 1 - digits) for end in (low, high))
+        ends = ceil(low / low_digit) * low_digit, floor(high / high_digit) * high_digit
+        if ends[0] < ends[1]:
+            return " to ".join(number_text(end, sign="", digits=digits) for end in ends)
+    return " to ".join(dict.fromkeys(number_text(end, sign="", digits=3) for end in (low, high)))
 
 
-def _levitation_at_load(
+def _scene_at_load(
+    scene: Scene,
+    start: GapAndSteepness,
+    *,
+    load_n: float,
+    model_tolerance: float,
+    how: dict[str, Any],
+) -> tuple[Scene, str]:
+    """Return the scene at the gap at which its force is the load, and a note on its terms, if any.
+
+    Its ``auto`` terms are those decided at this gap. They are kept while the gap is sought, for the
+    force must not jump then, so the gap is sought again where they have changed.
+    """
+
+    def with_terms_decided(gap_m: float) -> Scene:
+        at_gap = _scenes_at_gaps(scene, [gap_m])
+        return resolve_auto_terms(at_gap, model_tolerance=model_tolerance, **how)[0]
+
+    chosen = with_terms_decided(start.gap_m)
+    for _ in range(MAX_TERM_ROUNDS):
+        start = _gap_at_load(chosen, start, load_n=load_n, how=how)
+        before, chosen = chosen, with_terms_decided(start.gap_m)
+        if chosen.gas == before.gas:
+            return chosen, ""
+    # Each choice leads to a gap at which the other is made: the larger equation is taken.
+    names = [name for name in AUTO_TERMS if getattr(chosen.gas, name) != getattr(before.gas, name)]
+    chosen = chosen.with_gas(**dict.fromkeys(names, "included"))
+    gap_m = _gap_at_load(chosen, start, load_n=load_n, how=how).gap_m
+    note = "; ".join(
+        f"gas.{name} is auto and included, though a force at this gap may be without it: it "
+        "changes the force by about the model tolerance"
+        for name in names
+    )
+    return replace(chosen, h0_m=gap_m), note
+
+
+def _gap_at_load(
     scene: Scene, start: GapAndSteepness, *, load_n: float, how: dict[str, Any]
-) -> Levitation:
+) -> GapAndSteepness:
     """Solve force(h0) = load for one set of terms: by rough forces first, then by refined ones.
 
-    A gap outside the limits of validity stays rough, and its stiffness is not known.
+    A gap outside the limits of validity stays rough.
     """
     tolerance = how["tolerance"]
     rough = how | {"tolerance": max(tolerance, ROUGH_FORCE_TOLERANCE)}
 
     def log_force_over_load(gap_m: float, how: dict[str, Any]) -> float:
         """Return ln(force/load)."""
-        (solution,) = solve(_scenes_at_gaps(scene, gap_m), **how)
-        force_n = float(_require_finite(solution.force_n, gap_m, solution.status))
+        (at_gap,) = _scenes_at_gaps(scene, [gap_m])
+        (solution,) = solve([at_gap], **how)
+        force_n = float(_require_finite(solution.force_n, at_gap, solution.status))
         return log(max(force_n / load_n, MIN_FORCE_OVER_LOAD))
 
     found = _secant_gap_at_load(
         partial(log_force_over_load, how=rough), start, precision=ROUGH_FORCE_TOLERANCE / 10
     )
-    # The gap may lie anywhere here; where all of it is outside, none is given and these show why.
+    # The gap may lie anywhere here; where all of it is outside, none is given.
     ends = (1 + ROUGH_FORCE_TOLERANCE * np.array([-1, 1])) * found.gap_m
-    if all(map(exceeded_limit_texts, _scenes_at_gaps(scene, *ends))):
-        return Levitation(replace(scene, h0_m=found.gap_m), load_n, nan, nan, nan)
-    h0_m = _secant_gap_at_load(
-        partial(log_force_over_load, how=how), found, precision=tolerance
-    ).gap_m
-    values, (status,) = forces_and_negative_slopes(_scenes_at_gaps(scene, h0_m), "h0_m", **how)
+    if all(map(exceeded_limit_texts, _scenes_at_gaps(scene, ends))):
+        return found
+    return _secant_gap_at_load(partial(log_force_over_load, how=how), found, precision=tolerance)
+
+
+def _levitation_at_gap(scene: Scene, *, load_n: float, how: dict[str, Any]) -> Levitation:
+    """Return force, stiffness and the gap's error at a gap that carries a load."""
+    values, (status,) = forces_and_negative_slopes([scene], "h0_m", **how)
     force_n, error_n, stiffness, stiffness_error = _require_finite(
-        values[:, 0], h0_m, status
+        values[:, 0], scene, status
     ).tolist()
     return Levitation(
-        scene=replace(scene, h0_m=h0_m),
+        scene=scene,
         force_n=force_n,
         h0_error_m=(error_n + abs(force_n - load_n)) / abs(stiffness),
         stiffness_n_per_m=stiffness,
@@ -333,17 +360,20 @@ def _levitation_at_load(
     )
 
 
-def _require_finite(values: Any, gap_m: float, status: str) -> Any:
+def _require_finite(values: Any, scene: Scene, status: str) -> Any:
+    """Return values of a scene that are known; raise RunError that names exceeded limits first."""
     if not np.isfinite(values).all():
-        raise RunError(f"load: no force near h0 = {_micrometre_text(gap_m)}: {status}")
+        no_force = f"no force near h0 = {_micrometre_text(scene.h0_m)}: {status}"
+        reasons = [*exceeded_limit_texts(scene), no_force, *validity_notes(scene)]
+        raise RunError(f"load: {'; '.join(reasons)}")
     return values
 
 
-def _scenes_at_gaps(scene: Scene, *gaps_m: float) -> list[Scene]:
+def _scenes_at_gaps(scene: Scene, gaps_m: Iterable[float]) -> list[Scene]:
     return [replace(scene, h0_m=float(gap)) for gap in gaps_m]
 
 
-def _trial_gaps_m(scene: Scene) -> np.ndarray:
+def _trial_gaps_m(scene: Scene, count: int) -> np.ndarray:
     """Return rising gaps, from near contact on."""
     least = max(scene.hv_m / MAX_TRIAL_EXCURSION, GAP_RANGE_M[0])
     most = min(scene.hv_m / MIN_TRIAL_EXCURSION, GAP_RANGE_M[1])
@@ -352,7 +382,7 @@ def _trial_gaps_m(scene: Scene) -> np.ndarray:
         x, y = scene.inside()
         excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
         least = max(least, float((excursion_m / MAX_TRIAL_EXCURSION - gap.rise_m(x, y)).max()))
-    return np.geomspace(least, max(least, most), TRIAL_GAP_COUNT)
+    return np.geomspace(least, max(least, most), count)
 
 
 class GapAndSteepness(NamedTuple):
@@ -408,7 +438,7 @@ class Resonance(NamedTuple):
         frequency_error_hz: by the averaged film, at the gap given.
         damping_ratio: ζ = −Re s/|s|, 1 for critical damping; NaN as the frequency.
         damping_ratio_error: likewise.
-        reason: why there is none or none is known; empty where there is one.
+        reason: why there is none, none is known, or no more than a bound; empty where there is one.
     """
 
     frequency_hz: float = nan
@@ -470,12 +500,15 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     error = scale * _stiffness_error(film, scene, root, lag, slow / scale)
     error += levitation.stiffness_error_n_per_m / unit
     moved += error / abs(slope)
-    return Resonance(
+    found = Resonance(
         frequency_hz=root.imag * scene.actuator.frequency_hz,
         frequency_error_hz=moved * scene.actuator.frequency_hz,
         damping_ratio=-root.real / abs(root),
         damping_ratio_error=moved / abs(root),
     )
+    if round_up_error(found.frequency_error_hz) < found.frequency_hz:
+        return found
+    return found._replace(reason="resonance not known: its error is as large as its value")
 
 
 def _motion_root_and_slope(

@@ -97,7 +97,7 @@ def pad_grid(scene: Scene, points: int) -> PadGrid:
 def rectangle_grid(films: Films) -> PadGrid:
     """The nodes of one film (B = 1) under a rectangle; a corner has the mean of its two sides."""
     axes = (films.x_axis, films.y_axis)
-    second_x, second_y = (axis.derivative @ axis.derivative for axis in axes)
+    second_x, second_y = (axis.derivative_matrix @ axis.derivative_matrix for axis in axes)
     along_x = np.kron(second_x, np.eye(len(second_y)))
     along_y = np.kron(np.eye(len(second_x)), second_y) / films.aspect[0] ** 2
     inside = np.zeros(films.s.shape[1:], dtype=bool)
@@ -107,7 +107,7 @@ def rectangle_grid(films: Films) -> PadGrid:
     node_of_edge = films.edge_values(indices[None])[0]
     on_node = np.equal.outer(np.flatnonzero(~inner), node_of_edge)
     return PadGrid(
-        points=films.x_axis.points,
+        points=films.x_axis.unknown_count,
         s=films.s[0].ravel(),
         inner=inner,
         laplacian=(along_x + along_y)[inner],
@@ -115,7 +115,7 @@ def rectangle_grid(films: Films) -> PadGrid:
             quadrature_weights_with_ends(films.x_axis), quadrature_weights_with_ends(films.y_axis)
         ).ravel(),
         edge_s=films.edge_profile[0],
-        edge_slope=films.slope[0],
+        edge_slope=films.edge_normal_slope[0],
         edge_weights=films.edge_integral(np.eye(len(node_of_edge))),
         edge_to_nodes_matrix=on_node / on_node.sum(axis=1, keepdims=True),
     )
@@ -124,13 +124,13 @@ def rectangle_grid(films: Films) -> PadGrid:
 def disc_grid(amplitude: AmplitudeFunction, points: int) -> PadGrid:
     """The nodes along the radius of a disc whose profile has no angle: twice as many, cheaply."""
     line = cached_radial_axis(points + 1)
-    near, far = _matrix_halves(line.divergence @ line.derivative)
-    slope_near, slope_far = _matrix_halves(line.derivative)
+    near, far = _matrix_halves(line.divergence_matrix @ line.derivative_matrix)
+    slope_near, slope_far = _matrix_halves(line.derivative_matrix)
     slope = slope_near[-1] + slope_far[-1]
-    across = line.all_nodes[line.points + 1 :]
-    s = amplitude(*DISC_COORDINATES.positions(across, np.zeros_like(across)))
-    weights = line.weights[::-1]
-    inner = np.arange(len(across)) < line.points
+    across = line.all_nodes[line.unknown_count + 1 :]
+    s = amplitude(*DISC_COORDINATES.side_fractions(across, np.zeros_like(across)))
+    weights = line.quadrature_weights[::-1]
+    inner = np.arange(len(across)) < line.unknown_count
     return PadGrid(
         points=points,
         s=s,
@@ -153,18 +153,18 @@ def outline_grid(outline: Outline, amplitude: AmplitudeFunction, points: int) ->
     unit = 2 * outline.edge_mu
     across, nu = np.meshgrid(line.all_nodes[len(line.all_nodes) // 2 :], angle.nodes, indexing="ij")
     stretch = outline.map_jacobian(unit * (across - 0.5), nu)
-    s = amplitude(*outline.positions(across.ravel(), nu.ravel())).reshape(across.shape)
-    mirrored = -np.arange(angle.points) % angle.points
-    near, far = _matrix_halves(line.derivative @ line.derivative)
-    around, same = angle.derivative @ angle.derivative, np.eye(angle.points)
+    s = amplitude(*outline.side_fractions(across.ravel(), nu.ravel())).reshape(across.shape)
+    mirrored = -np.arange(angle.instant_count) % angle.instant_count
+    near, far = _matrix_halves(line.derivative_matrix @ line.derivative_matrix)
+    around, same = angle.derivative_matrix @ angle.derivative_matrix, np.eye(angle.instant_count)
     laplacian = (np.kron(near, same) + np.kron(far, same[mirrored])) / unit**2
     laplacian += np.kron(np.eye(len(near)), around)
     inside = np.ones(across.shape, dtype=bool)
     inside[-1] = False
     inner = inside.ravel()
-    slope_near, slope_far = _matrix_halves(line.derivative)
+    slope_near, slope_far = _matrix_halves(line.derivative_matrix)
     slope = (slope_near[-1] @ s + slope_far[-1] @ s[:, mirrored]) / unit
-    length, step = np.sqrt(stretch[-1]), 2 * np.pi / angle.points
+    length, step = np.sqrt(stretch[-1]), 2 * np.pi / angle.instant_count
     weights = (
         quadrature_weights_with_ends(line)[len(across) :, None]
         * unit

@@ -12,7 +12,7 @@ from pydantic import ValidatorFunctionWrapHandler, WrapValidator
 from squeezefilm.sections import (
     SECTION_CONFIG,
     BoundedNumber,
-    TermSetting,
+    TermInclusion,
     error_at_key,
     key_of_name,
 )
@@ -71,8 +71,8 @@ class Gas:
     rarefaction: Literal["none", "slip", "fukui-kaneko"] = "none"
     slip_coefficient: Annotated[float, BoundedNumber("1", 0.1, 100)] = 1.0
     polytropic_exponent: Annotated[float, BoundedNumber("1", 1, 1.67)] = 1.0
-    inertia: TermSetting = "auto"
-    thermal: TermSetting = "auto"
+    inertia: TermInclusion = "auto"
+    thermal: TermInclusion = "auto"
     prandtl: Annotated[float, BoundedNumber("1", 1e-3, 1000)] = 0.71
     heat_capacity_ratio: Annotated[float, BoundedNumber("1", 1, 1.68)] = 1.4
     viscosity_exponent: Annotated[float, BoundedNumber("1", 0, 2)] = 0.7

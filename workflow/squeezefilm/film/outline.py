@@ -54,7 +54,7 @@ class Outline:
         turned: the longer side lies along y: ν = 0 is at the end of the y axis.
         even_x, even_y: whether the outline is even about its middle along x, y.
         map_error: what the truncated coefficients are, over the outline's size.
-        scatter: how far the points of its file lie off it.
+        point_scatter: how far the points of its file lie off it.
     """
 
     coefficients: np.ndarray
@@ -64,7 +64,7 @@ class Outline:
     even_x: bool = False
     even_y: bool = False
     map_error: float = MAP_TOLERANCE
-    scatter: float = 0.0
+    point_scatter: float = 0.0
 
     @cached_property
     def points(self) -> np.ndarray:
@@ -91,7 +91,7 @@ class Outline:
         """Return whether a film that is even along x, y is so at ν, −ν, and at ν, π − ν."""
         return (fold_x, fold_y) if self.turned else (fold_y, fold_x)
 
-    def positions(self, across: np.ndarray, nu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def side_fractions(self, across: np.ndarray, nu: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places in [0, 1] across the pad's sides, for μ from −edge to edge in [0, 1] and ν."""
         z = self.point_at(self.edge_mu * (2 * across - 1), nu)
         return 0.5 + z.real, 0.5 + z.imag / self.aspect
@@ -170,7 +170,9 @@ class DiscCoordinates:
     Each point lies at two of them, as of an outline's.
     """
 
-    def positions(self, across: np.ndarray, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def side_fractions(
+        self, across: np.ndarray, angle: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Places in [0, 1] across the pad's sides."""
         return 0.5 + (across - 0.5) * np.cos(angle), 0.5 + (across - 0.5) * np.sin(angle)
 
@@ -418,4 +420,4 @@ def _outline_of_curve(curve: np.ndarray, sides_m: tuple[float, float], off_m: fl
         curve, mu, points=CURVE_MAP_POINT_COUNT, exact=CURVE_MAP_TOLERANCE, first_guess=first_guess
     )
     aspect, scatter = sides_m[1] / sides_m[0], off_m / sides_m[0]
-    return Outline(coefficients, mu, aspect, map_error=CURVE_MAP_TOLERANCE, scatter=scatter)
+    return Outline(coefficients, mu, aspect, map_error=CURVE_MAP_TOLERANCE, point_scatter=scatter)

@@ -145,7 +145,7 @@ class Pad:
         else:
             x_m, y_m = np.array([[-1, 1, 1, -1], [-1, -1, 1, 1]]) / 2
             x_m, y_m = x_m * self.length_x_m, y_m * self.length_y_m
-        return np.stack(self.turned(x_m, y_m), axis=1)
+        return np.stack(self.to_actuator_axes(x_m, y_m), axis=1)
 
     def contains_positions(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return whether positions in [0, 1] across the sides lie under the pad."""
@@ -156,7 +156,7 @@ class Pad:
             return np.asarray((2 * x - 1) ** 2 + (2 * y - 1) ** 2 <= 1 + 1e-12)
         return np.asarray((np.abs(2 * x - 1) <= 1) & (np.abs(2 * y - 1) <= 1))
 
-    def turned(self, x: Coordinate, y: Coordinate) -> tuple[Coordinate, Coordinate]:
+    def to_actuator_axes(self, x: Coordinate, y: Coordinate) -> tuple[Coordinate, Coordinate]:
         """Pad's coordinates in those of the actuator's axes."""
         if self.rotation_deg == 0:
             return x, y
@@ -191,6 +191,6 @@ def net_points_on_pad(pad: Pad) -> tuple[np.ndarray, np.ndarray]:
     """A net of points x, y over the pad, edge included, in [0, 1]."""
     if outline := pad.smooth_outline:
         across, nu = np.meshgrid(np.linspace(0.5, 1, 11), np.linspace(0, 2 * pi, 97))
-        return outline.positions(across, nu)
+        return outline.side_fractions(across, nu)
     x, y = np.meshgrid(*2 * [np.linspace(0, 1, 25)], indexing="ij")
     return x, y

@@ -40,7 +40,7 @@ class Profile:
         """s at points of any common shape."""
         raise NotImplementedError
 
-    def on(self, surface: Surface) -> Self:
+    def on_surface(self, surface: Surface) -> Self:
         """The vibration of a surface, over which it has its maximum.
 
         Raises InputError for a formula or a mode that has none, naming the place.
@@ -234,7 +234,7 @@ class ModeSum(Profile):
     orders: ModeOrders
     coefficients: tuple[complex, ...]
     surface: Surface
-    largest: float = 1.0
+    largest_magnitude: float = 1.0
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)

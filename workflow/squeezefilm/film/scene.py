@@ -222,7 +222,7 @@ class PadProfile(HashedOnce):
         self, x: np.ndarray, y: np.ndarray, *, x_m: float | np.ndarray, y_m: float | np.ndarray
     ) -> np.ndarray:
         """The profile's s at points x, y in [0, 1] across the pad, whose centre is at x_m, y_m."""
-        along_x, along_y = self.pad.turned(
+        along_x, along_y = self.pad.to_actuator_axes(
             (x - 0.5) * self.pad.length_x_m, (y - 0.5) * self.pad.length_y_m
         )
         return self.profile.amplitude(x_m=x_m + along_x, y_m=y_m + along_y)
@@ -313,7 +313,7 @@ class PadPositions:
     def __eq__(self, other: object) -> bool:
         return isinstance(other, PadPositions) and self._key == other._key
 
-    def parts(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def component_amplitudes(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """The profile's real and, of a complex one, imaginary part at points across the pad.
 
         Shape (parts, positions, points).
@@ -392,7 +392,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
             return self.films[index].scene(*map(float, numbers), point_id=str(point_id))
         return Scenes(self.films, index, *numbers, point_id)  # type: ignore[call-arg]
 
-    def column(self, of_film: Callable[[Film], Any]) -> Any:
+    def film_value_column(self, of_film: Callable[[Film], Any]) -> Any:
         """Return a value of the scenes' films: one for a single film, else shape (n, …)."""
         if len(self.films) == 1:
             return of_film(self.films[0])
@@ -421,7 +421,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         return found, which
 
     @cached_property
-    def flat(self) -> bool:
+    def is_flat(self) -> bool:
         """Return whether every static gap is uniform."""
         return all([film.pad.gap.flat for film in self.films])
 
@@ -444,12 +444,14 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         first = getattr(self.films[0], part)
         if len(self.films) == 1:
             return first
-        return replace(first, **{n: self.column(attrgetter(f"{part}.{n}")) for n in names})
+        return replace(
+            first, **{n: self.film_value_column(attrgetter(f"{part}.{n}")) for n in names}
+        )
 
     @cached_property
     def force_scale_n(self) -> Any:
         """p0 times the pad's area: the force of a mean gauge pressure of one atmosphere."""
-        return self.gas.ambient_pressure_pa * self.column(lambda film: film.pad.area_m2)
+        return self.gas.ambient_pressure_pa * self.film_value_column(lambda film: film.pad.area_m2)
 
     @cached_property
     def pad_positions(self) -> tuple[PadPositions, np.ndarray]:
@@ -461,7 +463,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
     @cached_property
     def narrowest_gap_ratio(self) -> np.ndarray:
         """Least gap over h0 in a period; of a flat gap as if the profile's maximum lay under it."""
-        return self._narrowest_gap_and_closure[0]
+        return self._least_gap_ratio_and_closure[0]
 
     @cached_property
     def closure(self) -> np.ndarray:
@@ -470,7 +472,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         For a flat gap as if the profile's maximum lay under the pad: ε, or a little more where
         noise has put something on the maximum of a measured profile.
         """
-        return self._narrowest_gap_and_closure[1]
+        return self._least_gap_ratio_and_closure[1]
 
     @cached_property
     def static_gap_ratio_range(self) -> tuple[np.ndarray, np.ndarray]:
@@ -491,13 +493,15 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def _rise_statistics(self) -> np.ndarray:
-        return np.array(self.column(lambda film: _static_rise_statistics(film.pad))).T
+        return np.array(self.film_value_column(lambda film: _static_rise_statistics(film.pad))).T
 
     @cached_property
-    def _narrowest_gap_and_closure(self) -> tuple[np.ndarray, np.ndarray]:
-        largest = self.column(lambda film: getattr(film.actuator.profile, "largest", 1.0))
+    def _least_gap_ratio_and_closure(self) -> tuple[np.ndarray, np.ndarray]:
+        largest = self.film_value_column(
+            lambda film: getattr(film.actuator.profile, "largest_magnitude", 1.0)
+        )
         narrowest, closure = 1 - self.epsilon, largest * self.epsilon
-        for film, rows, scenes_of_film in () if self.flat else self.split_by_film():
+        for film, rows, scenes_of_film in () if self.is_flat else self.split_by_film():
             if not film.pad.gap.flat:
                 narrowest[rows], closure[rows] = scenes_of_film._gap_and_closure_on_net()
         return narrowest, closure

@@ -46,7 +46,7 @@ class DirectionSector:
     def stop_deg(self) -> float:
         return self.start_deg + self.width_deg
 
-    def fold(self, phi_deg: ArrayLike) -> Array:
+    def fold_directions(self, phi_deg: ArrayLike) -> Array:
         """The directions within the sector that give the same force at the same radius."""
         angle = np.asarray(phi_deg, dtype=float) - self.start_deg
         if not self.mirror:
@@ -68,11 +68,14 @@ class DirectionSector:
         ]
         edges = [self.start_deg, *([self.stop_deg] if self.mirror else [])]
         # Nine digits: two ways to the same image differ by rounding.
-        return sorted({round(float(angle), 9) for angle in (*self.fold(turned), *edges)})
+        return sorted({round(float(angle), 9) for angle in (*self.fold_directions(turned), *edges)})
 
     def representative_positions(self, *, phi_r_m: Array, phi_deg: Array) -> dict[str, Array]:
         """The positions of the same forces that lie in the sector, which has the centre."""
-        return {"phi_r_m": phi_r_m, "phi_deg": np.where(phi_r_m > 0, self.fold(phi_deg), phi_deg)}
+        return {
+            "phi_r_m": phi_r_m,
+            "phi_deg": np.where(phi_r_m > 0, self.fold_directions(phi_deg), phi_deg),
+        }
 
     def limits(self, positions: Positions) -> dict[str, tuple[float, float]]:
         """The limits of the positions of a study."""
@@ -286,7 +289,7 @@ def _equal_on_circles_mask(
     pad_positions: PadPositions, radius: np.ndarray, angle: np.ndarray, other: np.ndarray
 ) -> np.ndarray:
     """Return where a profile has the same values on circles at one angle and another, (n,)."""
-    at = DISC_COORDINATES.positions
+    at = DISC_COORDINATES.side_fractions
     with np.errstate(all="ignore"):  # of a profile that has no finite value somewhere
         one, two = (pad_positions.amplitude(*at(0.5 + radius, each)) for each in (angle, other))
         return np.asarray(abs(two - one).max(axis=1) <= ROUNDING_TOLERANCE * abs(one).max(axis=1))

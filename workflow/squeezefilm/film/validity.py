@@ -85,7 +85,7 @@ class ValidityLimit:
 
     Attributes:
         quantity, symbol: in words and as in formulas; SYMBOL_FUNCTIONS has its value.
-        films: which the limit is for, of FILM_KIND_CONDITIONS.
+        film_kind: which the limit is for, of FILM_KIND_CONDITIONS.
         unverified_above: value above which the modelling error of a force is unverified.
         not_applicable_above: value above which the equation does not apply.
         source: reason for the values, and where they are from.
@@ -93,21 +93,21 @@ class ValidityLimit:
 
     quantity: str
     symbol: str
-    films: str
+    film_kind: str
     unverified_above: float
     not_applicable_above: float
     source: str
 
     @cached_property
-    def bound(self) -> float:
+    def lowest_bound(self) -> float:
         """The value up to which nothing is exceeded."""
         return min(self.not_applicable_above, self.unverified_above)
 
-    def text(self, value: float) -> str:
+    def message_text(self, value: float) -> str:
         """Return by what a value exceeds the limit, and what that means."""
         never = not value <= self.not_applicable_above
         bound = self.not_applicable_above if never else self.unverified_above
-        kind = "" if self.films == "all" else f" ({self.films})"
+        kind = "" if self.film_kind == "all" else f" ({self.film_kind})"
         number = f"{value:.3g}" if isfinite(value) else "infinite (the gap closes)"
         named = f"{self.quantity} {self.symbol} = {number}"
         above = f"{float(f'{bound:.2g}'):g}{kind}"
@@ -159,12 +159,14 @@ def _exceeded_limits_by_scene(
     limits = [limit for limit in VALIDITY_LIMITS if limit.symbol in symbols]
     values = {symbol: SYMBOL_FUNCTIONS[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
-    bounds = [[limit.bound] for limit in limits]
+    bounds = [[limit.lowest_bound] for limit in limits]
     beyond = ~(np.array([values[limit.symbol] for limit in limits]) <= bounds)
     for at in np.flatnonzero(beyond.any(axis=1)).tolist():
         limit = limits[at]
-        for row in np.flatnonzero(beyond[at] & FILM_KIND_CONDITIONS[limit.films](scenes)).tolist():
-            texts[row].append(limit.text(float(values[limit.symbol][row])))
+        for row in np.flatnonzero(
+            beyond[at] & FILM_KIND_CONDITIONS[limit.film_kind](scenes)
+        ).tolist():
+            texts[row].append(limit.message_text(float(values[limit.symbol][row])))
     return texts
 
 

@@ -111,7 +111,9 @@ class Factors:
             None if self.statuses is None else self.statuses[index],
         )
 
-    def outside(self, ranges: Mapping[str, tuple[float, float]]) -> dict[str, NDArray[np.bool_]]:
+    def outside_masks(
+        self, ranges: Mapping[str, tuple[float, float]]
+    ) -> dict[str, NDArray[np.bool_]]:
         """Return masks of the points beyond the range of each factor, shape (n,).
 
         At the centre no direction is, for all are the same there.

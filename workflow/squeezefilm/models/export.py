@@ -75,7 +75,7 @@ def source_code(fit: FittedModel, language: str, *, name: str = "") -> str:
         raise InputError(
             f"language {language!r}: unknown; allowed are {', '.join(NAN_OF_LANGUAGE)}"
         )
-    model, interval, table = fit.force_model, fit.prediction_interval, fit.required_limit_table
+    model, interval, table = fit.force_model, fit.prediction_interval, fit.required_asymptote_table
     arguments, nan = model.factor_names, NAN_OF_LANGUAGE[language]
     own = PRIVATE_NAME_PREFIX.get(language, "_").format(name=fit.model)
     names = _names_in_code(model, table, own)
@@ -121,8 +121,8 @@ def source_code(fit: FittedModel, language: str, *, name: str = "") -> str:
         for name, flat in table.coefficients.items()
         if name in model.column_names
     )
-    axes = table.axes.values()
-    position = table.axes.get("phi_r_m")
+    axes = table.axis_levels.values()
+    position = table.axis_levels.get("phi_r_m")
     in_table = {
         "coefficients": columns,
         "axes_low": ", ".join(_number_literal(low) for low, _ in axes),

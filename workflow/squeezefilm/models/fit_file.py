@@ -156,7 +156,7 @@ class FittedModel(BaseModel):
         """The form of positions in the model's study; polar, if the file has none."""
         return POLAR_COLUMNS if self.symmetry is None else self.symmetry.position_columns
 
-    def folded(self, factors: Factors) -> Factors:
+    def folded_factors(self, factors: Factors) -> Factors:
         """The factors of the same forces with the pad in positions that the model knows.
 
         By the symmetry of the study's scenes; a file without one leaves them as they are.
@@ -169,7 +169,7 @@ class FittedModel(BaseModel):
         return Factors.of(**kept_columns, **self.symmetry.representative_positions(**given))
 
     @property
-    def required_limit_table(self) -> LimitTable | None:
+    def required_asymptote_table(self) -> LimitTable | None:
         """The table of the asymptotic forces that the model uses, if it uses them.
 
         Raises InputError naming the file, where it has no such table.
@@ -188,7 +188,7 @@ class FittedModel(BaseModel):
         Raises InputError as ``required_limit_table``.
         """
         known = all(name in factors.columns for name in self.force_model.column_names)
-        table = None if known else self.required_limit_table
+        table = None if known else self.required_asymptote_table
         return factors if table is None else table.with_asymptotic_forces(factors)
 
     def evaluate(self, factors: Factors) -> Array:
@@ -287,7 +287,7 @@ def fit_from_values(values: Mapping[str, Any], *, source: Path | str) -> FittedM
 
 def amplitude_row(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
     """Amplitude, its errors and a note for one gap and position; NaN where there is none."""
-    point = fit.folded(point)
+    point = fit.folded_factors(point)
     where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position_columns)}
     row: dict[str, object] = {
         "force_n": force_n,

@@ -472,14 +472,13 @@ def check_identifiable(model: ExpressionModel, factors: Factors) -> None:
         names = np.array(model.parameter_names)[large]
         what = "has no effect on the force" if len(names) == 1 else "cannot be told apart"
         raise InputError(
-            f"{model.source}: {', '.join(names)} {what} at these points; leave a parameter out, or "
-            "vary the factors that it belongs to"
+            f"{model.source_location}: {', '.join(names)} {what} at these points; leave a "
+            "parameter out, or vary the factors that it belongs to"
         )
     if count:
         raise InputError(
-            f"{model.source}: the formula is undefined at {IDENTIFIABILITY_DRAW_COUNT} random "
-            f"parameter sets; no fit "
-            "can start from there"
+            f"{model.source_location}: the formula is undefined at {IDENTIFIABILITY_DRAW_COUNT} "
+            "random parameter sets; no fit can start from there"
         )
 
 

@@ -58,7 +58,7 @@ class ExpressionModel:
     parameter_units: tuple[str, ...]
     about: str = ""
     constants: Mapping[str, str | float] = field(default_factory=dict, hash=False)
-    source: str = "model"
+    source_location: str = "model"
     """Where the expression was written, for messages."""
 
     @property
@@ -98,7 +98,7 @@ class ExpressionModel:
         )
 
     @property
-    def is_centred(self) -> bool:
+    def is_for_centred_pad(self) -> bool:
         """True if gap and amplitude are the only factors: a model of the centred pad."""
         return self.factor_names == ("h0_m", "hv_m")
 
@@ -152,7 +152,8 @@ class ExpressionModel:
         if len(wrong):
             row, column = wrong[0]
             raise InputError(
-                f"{self.source}: {self.expression!r} has no finite derivative with respect to "
+                f"{self.source_location}: {self.expression!r} has no finite derivative with "
+                f"respect to "
                 f"{self.parameter_names[column]} {self.point_text(theta, factors, row)}"
             )
         return np.where(defined[:, None], slopes, np.nan)
@@ -243,7 +244,7 @@ def make_model(name: str, settings: Mapping[str, Any], *, source: str) -> Expres
         parameter_units=tuple(inferred.values()),
         about=settings.get("about", ""),
         constants=given,
-        source=where,
+        source_location=where,
     )
 
 
@@ -288,7 +289,7 @@ def check_models_of_study(study: Study) -> None:
         get_model(name, own, source=path)
     for section, named in (("comparison", study.comparison), ("refine", study.refine)):
         for space in FACTOR_SPACE_NAMES:
-            for name in named.of(space):
+            for name in named.names_of_space(space):
                 with prefix_errors(f"{path}: {section}.{space}"):
                     get_model(name, own, source=path)
 

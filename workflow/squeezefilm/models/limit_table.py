@@ -48,7 +48,7 @@ class LimitTable(BaseModel):
         return self
 
     @cached_property
-    def axes(self) -> dict[str, tuple[float, float]]:
+    def axis_levels(self) -> dict[str, tuple[float, float]]:
         """The ranges in the order of the shape; a file has them in any."""
         return {
             axis: self.ranges[axis] for axis in (*AXIS_NAMES, *find_position_columns(self.ranges))
@@ -65,12 +65,12 @@ class LimitTable(BaseModel):
     def with_asymptotic_forces(self, factors: Factors) -> Factors:
         """The factors with the limits' columns; NaN outside the table."""
         values = {**factors.columns, "epsilon_square": factors.epsilon**2}
-        inside = ~np.any(list(Factors(values).outside(self.axes).values()), axis=0)
-        if "phi_deg" in self.axes:  # every direction is the same at the centre
-            at_centre = factors.phi_r_m <= RANGE_TOLERANCE * self.axes["phi_r_m"][1]
-            values["phi_deg"] = np.where(at_centre, self.axes["phi_deg"][0], factors.phi_deg)
-        low, high = np.array(list(self.axes.values())).T[:, :, None]
-        at, half = np.array([values[axis] for axis in self.axes]), (high - low) / 2
+        inside = ~np.any(list(Factors(values).outside_masks(self.axis_levels).values()), axis=0)
+        if "phi_deg" in self.axis_levels:  # every direction is the same at the centre
+            at_centre = factors.phi_r_m <= RANGE_TOLERANCE * self.axis_levels["phi_r_m"][1]
+            values["phi_deg"] = np.where(at_centre, self.axis_levels["phi_deg"][0], factors.phi_deg)
+        low, high = np.array(list(self.axis_levels.values())).T[:, :, None]
+        at, half = np.array([values[axis] for axis in self.axis_levels]), (high - low) / 2
         table_coordinates = np.clip(
             (at - (high + low) / 2) / np.where(half > 0, half, np.inf), -1.0, 1.0
         )

@@ -92,14 +92,15 @@ class PredictionInterval(BaseModel):
         if self.error_95 is None:
             return f"Not validated: of {sample} too few have a force for a 95 % interval."
         return (
-            f"Of points drawn uniformly from the declared space ({self.space}), 95 % have a force "
+            f"Of points drawn uniformly from the declared space ({self.space_name}), 95 % have "
+            f"a force "
             f"within the stated 95 % error, as measured on "
             f"{self.calibration_points} of {sample}; "
             "single points can lie outside."
         )
 
     @property
-    def space(self) -> str:
+    def space_name(self) -> str:
         """The declared space in words."""
         parts = []
         for name, (low, high) in self.ranges.items():
@@ -117,7 +118,7 @@ class PredictionInterval(BaseModel):
     def range_notes(self, factors: Factors) -> list[str]:
         """Factors of each point outside the declared space, empty where there are none."""
         notes = np.full(len(factors), "", dtype=object)
-        for name, out in factors.outside(self.ranges).items():
+        for name, out in factors.outside_masks(self.ranges).items():
             column = COLUMNS[name]
             low, high = (f"{column.in_shown_unit(end):.4g}" for end in self.ranges[name])
             for point in np.flatnonzero(out):

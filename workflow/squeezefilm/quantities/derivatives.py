@@ -85,12 +85,13 @@ def _derivatives_of_group(
     error = factor * change + missed
     coarse, fine = (state.grid for state in solutions.states[0])
     falls = profile_error_ratio(
-        solve_plan_of(scenes), coarse.across, fine.across, tolerance=tolerance
+        solve_plan_of(scenes), coarse.nodes_across, fine.nodes_across, tolerance=tolerance
     )
     # What grids miss of a force by a profile that they do not resolve changes with the place as
     # fast as their shortest wave, π times the nodes; and two grids may agree on it by chance.
-    for k, nodes in zip(map([*DERIVATIVE_COLUMNS].index, ("x_m", "y_m")), fine.across, strict=True):
-        nodes = fine.across[0] if fine.coordinates else nodes
+    indices = map([*DERIVATIVE_COLUMNS].index, ("x_m", "y_m"))
+    for k, nodes in zip(indices, fine.nodes_across, strict=True):
+        nodes = fine.nodes_across[0] if fine.pad_coordinates else nodes
         unresolved_n = np.where(falls > 0, np.pi * nodes * solutions.force_error_n, 0.0)
         error[k] = np.where(growth[k] != 0, np.fmax(error[k], unresolved_n), error[k])
     return [
@@ -141,9 +142,9 @@ def _scaled_derivatives_on_grid(
             device=device,
             guess=np.concatenate([state, state]),
         )
-        known = states.status == 0
-        forces_n = np.where(known, states.mean * scale, np.nan).reshape(2, -1)
-        left_n = (states.results["residual"] * scale).reshape(2, -1).sum(
+        known = states.status_indices == 0
+        forces_n = np.where(known, states.mean_pressure_ratio * scale, np.nan).reshape(2, -1)
+        left_n = (states.result_rows["residual"] * scale).reshape(2, -1).sum(
             axis=0
         ) / scenes.narrowest_gap_ratio
         growth[k] = (forces_n[0] - forces_n[1]) / (2 * DIFFERENCE_STEP)
@@ -166,8 +167,11 @@ def _derivatives_of_scene(scene: Scene, growth: np.ndarray, error: np.ndarray) -
     units, pad = [_scale_of_quantity(scene, quantity) for quantity in DERIVATIVE_COLUMNS], scene.pad
     values = dict(zip(DERIVATIVE_COLUMNS, (growth / units).tolist(), strict=True))
     errors = dict(zip(DERIVATIVE_COLUMNS, (error / units).tolist(), strict=True))
-    values["x_m"], values["y_m"] = pad.turned(values["x_m"], values["y_m"])
-    from_x, from_y = pad.turned(errors["x_m"], 0.0), pad.turned(0.0, errors["y_m"])
+    values["x_m"], values["y_m"] = pad.to_actuator_axes(values["x_m"], values["y_m"])
+    from_x, from_y = (
+        pad.to_actuator_axes(errors["x_m"], 0.0),
+        pad.to_actuator_axes(0.0, errors["y_m"]),
+    )
     errors["x_m"], errors["y_m"] = (abs(a) + abs(b) for a, b in zip(from_x, from_y, strict=True))
     return Derivatives(value=values, error=errors, status="ok")
 
@@ -175,7 +179,7 @@ def _derivatives_of_scene(scene: Scene, growth: np.ndarray, error: np.ndarray) -
 def scene_with_quantity_changed(scene: Scene, quantity: str, by: float) -> Scene:
     """The scene with another number; ``x_m`` and ``y_m`` are along the pad's own axes."""
     if quantity in ("x_m", "y_m"):
-        x_m, y_m = scene.pad.turned(*((by, 0.0) if quantity == "x_m" else (0.0, by)))
+        x_m, y_m = scene.pad.to_actuator_axes(*((by, 0.0) if quantity == "x_m" else (0.0, by)))
         return replace(scene, x_m=scene.x_m + x_m, y_m=scene.y_m + y_m)
     if quantity in ("h0_m", "hv_m"):
         return replace(scene, **{quantity: getattr(scene, quantity) + by})

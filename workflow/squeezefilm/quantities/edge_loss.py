@@ -161,7 +161,7 @@ def edge_pressure_of_inflow(films: Fields, coefficients: np.ndarray) -> np.ndarr
 
 def squared_inflow_velocity(films: Fields, velocity: np.ndarray) -> np.ndarray:
     """Return the square of a velocity on the edge where it leads into the film, elsewhere 0."""
-    inflow = np.maximum(films.inward * velocity, 0.0)
+    inflow = np.maximum(films.inward_normal_signs * velocity, 0.0)
     return np.asarray(dot(inflow, inflow) / films.area)
 
 
@@ -189,8 +189,8 @@ def _node_to_flux_matrices(axis: Axis, length: float) -> tuple[np.ndarray, np.nd
     Of functions that are even about the middle of a folded axis.
     """
     values = FluxPoints(axis).matrix_from_all_nodes
-    slope = values @ axis.derivative / length
-    second = (axis.divergence @ axis.derivative)[axis.inner] / length**2
+    slope = values @ axis.derivative_matrix / length
+    second = (axis.divergence_matrix @ axis.derivative_matrix)[axis.inner_slice] / length**2
     return (
         fold_even_columns(values, axis),
         fold_even_columns(slope, axis),

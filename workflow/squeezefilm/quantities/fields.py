@@ -29,11 +29,11 @@ def integration_weights_with_edge(axis: Axis | AngleAxis) -> np.ndarray:
     A folded axis holds one edge node and the first half of the others.
     """
     if isinstance(axis, AngleAxis):
-        return axis.weights
-    edge = 1 - axis.weights.sum()  # a constant's integral is that constant
+        return axis.quadrature_weights
+    edge = 1 - axis.quadrature_weights.sum()  # a constant's integral is that constant
     if axis.folded:
-        return np.append(edge, axis.weights)
-    return np.concatenate([[edge / 2], axis.weights, [edge / 2]])
+        return np.append(edge, axis.quadrature_weights)
+    return np.concatenate([[edge / 2], axis.quadrature_weights, [edge / 2]])
 
 
 @lru_cache(maxsize=64)
@@ -44,8 +44,12 @@ def derivative_matrices_with_edge(axis: Axis | AngleAxis) -> tuple[np.ndarray, n
     about the middle has an odd derivative and an odd one an even.
     """
     if isinstance(axis, AngleAxis):
-        return axis.slope(odd=False), axis.slope(odd=True)
-    even, odd = even_and_odd_matrices(axis.derivative) if axis.folded else (axis.derivative,) * 2
+        return axis.derivative_at_unknowns(odd=False), axis.derivative_at_unknowns(odd=True)
+    even, odd = (
+        even_and_odd_matrices(axis.derivative_matrix)
+        if axis.folded
+        else (axis.derivative_matrix,) * 2
+    )
     return even, odd
 
 
@@ -53,7 +57,7 @@ def derivative_matrices_with_edge(axis: Axis | AngleAxis) -> tuple[np.ndarray, n
 def flux_to_node_matrix(axis: Axis) -> np.ndarray:
     """Return the matrix to all nodes from the flux points of a velocity along the axis, (m, n)."""
     nodes = axis.all_nodes[: len(integration_weights_with_edge(axis))]
-    return axis.fold(FluxPoints(axis).at(nodes), odd=True, rows=len(nodes))
+    return axis.fold_matrix(FluxPoints(axis).matrix_at(nodes), odd=True, rows=len(nodes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +71,9 @@ class Fields:
         terms: those that the scenes have.
         equation_number_table: the numbers of each scene's equation; they come as columns, to go
             with fields: ``number``.
-        static_gap, gap: H at rest, and H.
-        area, turn, bend: those of an outline at the nodes (grid.py), (x, y, 1).
+        static_gap_ratio, gap: H at rest, and H.
+        area, conformal_map_slope, conformal_map_log_slope: those of an outline at the nodes
+            (grid.py), (x, y, 1).
     """
 
     scenes: Scenes
@@ -77,7 +82,7 @@ class Fields:
     edge_gauge_pressure: np.ndarray
     terms: Terms
     equation_number_table: np.ndarray
-    static_gap: np.ndarray
+    static_gap_ratio: np.ndarray
     gap: np.ndarray
     area: np.ndarray
     conformal_map_slope: np.ndarray
@@ -96,7 +101,7 @@ class Fields:
         sine, cosine = np.sin(grid.t.nodes), np.cos(grid.t.nodes)
         gap = rest_gap + sum(map(np.multiply, moving, (sine, cosine)))
         across = grid.x.all_nodes[: gap.shape[1]]
-        along = (grid.area, grid.conformal_map_slope, grid.conformal_map_log_slope)
+        along = (grid.area_ratio_at, grid.conformal_map_slope, grid.conformal_map_log_slope)
         outline = (np.asarray(at(across))[..., None] for at in along)
         ambient = np.zeros_like(gap)
         return cls(scenes, grid, unknowns, ambient, terms, equation, rest_gap, gap, *outline)
@@ -108,7 +113,7 @@ class Fields:
             "unknowns",
             "edge_gauge_pressure",
             "equation_number_table",
-            "static_gap",
+            "static_gap_ratio",
             "gap",
         )
         return replace(self, **{name: getattr(self, name)[rows] for name in by_scene})
@@ -116,7 +121,7 @@ class Fields:
     @property
     def inner(self) -> tuple[slice, slice, slice]:
         """The unknowns' nodes among all."""
-        return slice(None), self.grid.x.inner, self.grid.y.inner
+        return slice(None), self.grid.x.inner_slice, self.grid.y.inner_slice
 
     @cached_property
     def axis_lengths(self) -> tuple[float, float]:
@@ -133,7 +138,7 @@ class Fields:
         return [axis for axis in (self.grid.x, self.grid.y) if isinstance(axis, Axis)]
 
     @cached_property
-    def inward(self) -> np.ndarray:
+    def inward_normal_signs(self) -> np.ndarray:
         """±1 on the edge, of the direction along x and y into the film, else 0: (2, 1, x, y, 1).
 
         At corners, which no equation has, it is 0 too.
@@ -244,7 +249,7 @@ class Fields:
         )
 
     def t_derivative(self, values: np.ndarray) -> np.ndarray:
-        return np.asarray(values @ self.grid.t.derivative.T)
+        return np.asarray(values @ self.grid.t.derivative_matrix.T)
 
     def divergence(self, flux: np.ndarray) -> np.ndarray:
         return self.x_derivative(flux[0], odd=True) + self.y_derivative(flux[1], odd=True)

@@ -260,7 +260,7 @@ def _error_budgets_of_variants(
     for name, force_changes, of_scenes in (
         ("edge_loss", edge_loss.edge_loss_changes, vibrating),
         ("ram_pressure", edge_loss.ram_pressure_changes, sliding),
-        ("sheared_gas", sheared_gas.sheared_gas_changes, with_still),
+        ("sheared_gas", sheared_gas.sheared_gas_force_changes, with_still),
         ("moving_profile", moving_profile.moving_profile_changes, sliding),
     ):
         found = force_changes(

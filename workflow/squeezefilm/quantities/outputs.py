@@ -253,7 +253,7 @@ def _outputs_on_two_grids(
             parts[k] = float(value + by_gas[k]), float(off + off_gas[k] + missed[k])
         if np.isnan(by_gas).any():
             missing["thrust"] = "not converged: the film with the gas that the sliding wall drags"
-    x, y = scene.pad.turned(1.0, 0.0)
+    x, y = scene.pad.to_actuator_axes(1.0, 0.0)
     for name, turned in (("thrust_x", (x, -y)), ("thrust_y", (y, x))):
         for (drawn, off), component in zip(parts, turned, strict=True):
             values[name] = (
@@ -281,14 +281,14 @@ def output_weights(film: SampledState) -> dict[str, np.ndarray]:
     scene, pad = film.scene, film.scene.pad
     force = scene.force_scale_n
     one, nothing = np.ones_like(film.x), np.zeros_like(film.x)
-    x, y = pad.turned((film.x - 0.5) * pad.length_x_m, (film.y - 0.5) * pad.length_y_m)
+    x, y = pad.to_actuator_axes((film.x - 0.5) * pad.length_x_m, (film.y - 0.5) * pad.length_y_m)
     _, sine, cosine = gap_harmonics(scene, film.x, film.y)
     speed = scene.h0_m * scene.actuator.angular_frequency_rad_per_s
     # Shear at the pad's wall by the flow that pressure drives, −(h/2) ∇p, in the mean over the
     # pad ½ ⟨p ∇h⟩ as p vanishes on the edge; and pressure on the wall's own slope, −⟨p ∇g⟩, g being
     # the gap at rest.
     lengths = pad.length_x_m, pad.length_y_m
-    thrust_x, thrust_y = pad.turned(
+    thrust_x, thrust_y = pad.to_actuator_axes(
         *(
             slope / length * np.array([-0.5, 0.5, 0.5])[:, None]
             for slope, length in zip(film.slopes, lengths, strict=True)
@@ -326,7 +326,7 @@ class SampledState:
     def __init__(self, scene: Scene, state: PeriodicStates) -> None:
         self.scene, grid = scene, state.grid
         self.fields = Fields.of([scene], grid, state.unknowns[None])
-        self.x, self.y = grid.positions
+        self.x, self.y = grid.node_positions
         self.largest = _interpolated_maximum(state.unknowns[0], grid, sign=1)
         self.least = -_interpolated_maximum(state.unknowns[0], grid, sign=-1)
         inert = scene.gas.inertia == "included"
@@ -400,8 +400,8 @@ def _interpolated_maximum(field: np.ndarray, grid: Grid, *, sign: int) -> float:
 
     def negative_interpolant(point: np.ndarray) -> float:
         u, v, phase = point[:, None]
-        in_u = np.einsum("pa,abi->pbi", grid.x.at(u), field)
-        minimum = grid.y.at(v) @ in_u @ grid.t.at(phase).T
+        in_u = np.einsum("pa,abi->pbi", grid.x.matrix_at(u), field)
+        minimum = grid.y.matrix_at(v) @ in_u @ grid.t.matrix_at(phase).T
         return -sign * minimum.item() / size
 
     best = np.unravel_index(int(np.argmax(sign * field)), field.shape)
@@ -440,7 +440,9 @@ def momentum_outflow_n(film: Fields) -> np.ndarray:
             momentum_n = np.array([ways.real.mean(), ways.imag.mean()]) * around_n
         else:
             side_m = (scene.pad.length_y_m, scene.pad.length_x_m)[k]
-            over_side = (flux @ (grid.y, grid.x)[k].weights).sum(axis=1) * (1 + axis.folded)
+            over_side = (flux @ (grid.y, grid.x)[k].quadrature_weights).sum(axis=1) * (
+                1 + axis.folded
+            )
             # Along the axis and across it, in the order of x and y.
             momentum_n += np.roll(over_side, k) * per_length * side_m
     # Of an even film as much leaves on both sides, to both sides.
@@ -454,7 +456,7 @@ def _momentum_flux_at_ends(film: Fields, k: int) -> np.ndarray:
     at = film.inner_slices_across(k)
     gap, velocity, outward = (
         np.moveaxis(each[at], 1 + k, 1)[0, ends]
-        for each in (film.gap, film.velocity_on_edge[k], -film.inward[k])
+        for each in (film.gap, film.velocity_on_edge[k], -film.inward_normal_signs[k])
     )
     # No pressure drives gas along the edge: its velocity there is the deficit's alone. Gas that
     # comes in has none.

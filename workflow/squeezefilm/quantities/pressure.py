@@ -56,15 +56,15 @@ def _interpolated_state(
 ) -> np.ndarray:
     """Interpolate a state at given positions and instants, (instants, y, x)."""
     grid, field = state.grid, state.unknowns[0]
-    in_time = cached_time_axis(grid.nt).at(cached_time_axis(instants).nodes)
-    if grid.coordinates is None:
-        along_x, along_y = grid.x.at(x), grid.y.at(y)
+    in_time = cached_time_axis(grid.nt).matrix_at(cached_time_axis(instants).nodes)
+    if grid.pad_coordinates is None:
+        along_x, along_y = grid.x.matrix_at(x), grid.y.matrix_at(y)
         return np.einsum("ti,yb,xa,abi->tyx", in_time, along_y, along_x, field, optimize=True)
     across, along = np.meshgrid(x, y)
     inside = pad.contains_positions(across, along)
-    u, v = grid.coordinates.coordinates(across[inside], along[inside])
-    values_on_lines = np.einsum("xa,abi->xbi", grid.x.at(u), field)
-    values_on_lines = np.einsum("xb,xbi->xi", grid.y.at(v), values_on_lines)
+    u, v = grid.pad_coordinates.coordinates(across[inside], along[inside])
+    values_on_lines = np.einsum("xa,abi->xbi", grid.x.matrix_at(u), field)
+    values_on_lines = np.einsum("xb,xbi->xi", grid.y.matrix_at(v), values_on_lines)
     values = np.full((instants, *across.shape), np.nan)
     values[:, inside] = in_time @ values_on_lines.T
     return values

@@ -51,7 +51,7 @@ STATE_THRUST_TOLERANCE = 1e-8
 FIRST_ORDER_REMAINDER_FACTOR, MAX_KNOWN_SECOND_ORDER = 0.3, 2.0
 
 
-def sheared_gas_changes(
+def sheared_gas_force_changes(
     scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
 ) -> np.ndarray:
     """Return the relative changes of the forces by inertia and heat of the dragged gas.
@@ -97,7 +97,7 @@ def scaled_sheared_gas_thrust(scene: Scene, solution: Solution, *, device: Devic
                 own, added, tolerance=STATE_THRUST_TOLERANCE, device=device
             )
             # −(h/2) ∇p, and p on the pad's own slope; NaN where there is no state.
-            by_slope = (films.static_gap - films.gap / 2) * films.slope
+            by_slope = (films.static_gap_ratio - films.gap / 2) * films.slope
             pressed.append(by_slope + 0 * means[:, None, None, None])
         parts = (pressed[1] - pressed[0], *sliding_stress_on_pad(films))
         by_place = films.to_pad_axes(np.stack(parts, axis=1))

@@ -53,7 +53,7 @@ def row_groups_on_equal_grids(
         if states:
             groups[tuple(state.grid for state in states), kinds[kind[k]], aspect[k]].append(k)
     for (grids, *_), group in groups.items():
-        step = max(1, numbers // grids[-1].count)
+        step = max(1, numbers // grids[-1].unknown_count)
         for first in range(0, len(group), step):
             yield np.array(group[first : first + step])
 
@@ -108,7 +108,11 @@ def solve_perturbed_states(
     none = dict.fromkeys(EdgePressure.OPERATOR_NAMES, np.zeros_like(films.unknowns[:, 0]))
     how: dict[str, Any] = {"tolerance": tolerance, "device": device, "guess": films.unknowns}
     states = solve_batch(films.scenes, films.grid, **how, terms=films.terms, edge={**none, **added})
-    mean = np.where(states.status == 0, states.mean + films.mean(films.edge_gauge_pressure), np.nan)
+    mean = np.where(
+        states.status_indices == 0,
+        states.mean_pressure_ratio + films.mean(films.edge_gauge_pressure),
+        np.nan,
+    )
     return replace(films, unknowns=states.unknowns), mean
 
 
@@ -125,7 +129,7 @@ def error_per_grid_change(
     """
     plan, (coarse, fine) = (
         solve_plan_of(scenes),
-        (state.grid.across for state in solutions.states[0]),
+        (state.grid.nodes_across for state in solutions.states[0]),
     )
     fall = np.maximum(
         np.maximum(

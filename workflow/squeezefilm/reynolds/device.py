@@ -72,7 +72,7 @@ class Device:
         context, queue: pyopencl objects; the queue runs kernels one after the other.
         transfer_queue: a queue for what comes back, which need not wait for kernels behind its own.
         name: platform and device name, as reported by ``doctor`` and kept with results.
-        groups: work-groups to launch, each with its workspace.
+        work_group_count_max: work-groups to launch, each with its workspace.
         work_items_per_group: work-items per group; 1 on a processor, whose groups are cores.
         vector_register_bytes: size of the vectors that a processor computes with.
         instruction_sets: those that kernels are compiled for, beyond what the driver knows.
@@ -87,7 +87,7 @@ class Device:
     queue: Any
     transfer_queue: Any
     name: str
-    groups: int
+    work_group_count_max: int
     work_items_per_group: int
     memory_bytes: int
     is_cpu: bool = True
@@ -108,7 +108,7 @@ class Device:
     def work_group_count(self, scenes: int, *, workspace_bytes: int) -> int:
         """Return the work-groups to launch: at most one a scene, and within half the memory."""
         room = self.memory_bytes // 2 // workspace_bytes
-        return max(1, min(self.groups, scenes, room))
+        return max(1, min(self.work_group_count_max, scenes, room))
 
     def vector_width(self, number_bytes: int) -> int:
         """Return the number of values that a work-item computes with at a time."""
@@ -172,7 +172,7 @@ class Device:
         )
         return array if array.size >= count else aligned_array(count)
 
-    def release(self, *arrays: np.ndarray) -> None:
+    def recycle_arrays(self, *arrays: np.ndarray) -> None:
         """Let the next launches have some host arrays."""
         small = [array for array in arrays if array.size <= MAX_POOLED_DOUBLES]
         self.pooled_arrays.extend(small[: MAX_POOLED_ARRAYS - len(self.pooled_arrays)])
@@ -241,7 +241,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         queue=cl.CommandQueue(context),
         transfer_queue=cl.CommandQueue(context),
         name=device_name(device),
-        groups=device.max_compute_units * (4 if on_gpu else 1),
+        work_group_count_max=device.max_compute_units * (4 if on_gpu else 1),
         work_items_per_group=work_items or (128 if on_gpu else 1),
         memory_bytes=device.global_mem_size,
         is_cpu=bool(device.type & cl.device_type.CPU),
@@ -402,7 +402,7 @@ def substitute_processor_name(device: Any) -> str:
     if not (unknown and platform.machine() == "x86_64" and CPU_INFO_FILE.exists()):
         return ""
     name = instruction_set_level(processor_flags())
-    rename_processor(device.int_ptr, name)
+    patch_pocl_processor_name(device.int_ptr, name)
     return name
 
 
@@ -416,7 +416,7 @@ def instruction_set_level(flags: frozenset[str]) -> str:
     return highest
 
 
-def rename_processor(address: int, name: str) -> bool:
+def patch_pocl_processor_name(address: int, name: str) -> bool:
     """Make the record's pointer to ``generic`` one to ``name``; whether there was such a pointer.
 
     Read is through the system, which says no where memory is not the process's own.

@@ -58,13 +58,13 @@ def _dry_run_rows(scenes: Scenes, *, tolerance: float, method: str) -> list[dict
     plan = solve_plan_of(scenes)
     solutions, found = known_solutions(plan, tolerance=tolerance, method=method)
     expected_error = np.full(len(scenes), np.nan)
-    expected_error[found.rows] = found.relative_error
+    expected_error[found.scene_rows] = found.relative_error
     waiting = np.flatnonzero(solutions.status == "")
     solutions.status[waiting], expected_error[waiting] = "ok", tolerance
     solutions.domain[waiting] = plan.domain[waiting]
     first = first_grids(plan, waiting, tolerance=tolerance) if len(waiting) else ()
     for rows, terms, grids in first:
-        solutions.nx[rows], solutions.ny[rows] = grids[-1].across
+        solutions.nx[rows], solutions.ny[rows] = grids[-1].nodes_across
         solutions.nt[rows] = grids[-1].nt
         solutions.operation_count[rows] = _expected_flops(
             scenes.closure[rows], terms, grids, tolerance=tolerance

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import ceil, isfinite
 
 import numpy as np
 
 from squeezefilm.film.scene import Scenes
+from squeezefilm.reynolds.grid import Grid, interpolation_matrices
 from squeezefilm.reynolds.terms import Terms, have_velocity_terms
 
 # The moments of a change may be small by chance where its size is not. So this share of the size
@@ -25,9 +26,13 @@ DEFAULT_CONVERGENCE_RATIO = 0.4
 # small where one turns: the least fall of films with thin layers.
 THIN_LAYER_CONVERGENCE_RATIO = 0.5
 # Of a gas with inertia, or that warms, changes creep or fall suddenly, so that none tells the next;
-# and where waves steepen grids agree by chance in all moments: this fraction of the size counts,
-# at all tolerances. Errors beyond what iterations left were up to three quarters of the size.
-VELOCITY_CHANGE_SIZE_FRACTION = 0.4
+# and where waves steepen grids agree by chance in all moments: at all tolerances this fraction
+# counts of what the grids resolve of a change, and of that no less than a share of the size, for
+# layers at the edge that they do not resolve yet.
+VELOCITY_CHANGE_SIZE_FRACTION, UNRESOLVED_CHANGE_FRACTION = 0.7, 0.35
+# Share of the coarser grid's modes along each axis that it resolves; with half of them a film (σ
+# 2754) was off by 1.3 times its estimate.
+RESOLVED_MODES_FRACTION = 0.6
 # Round-off: error of the mean gauge pressure relative to the largest gauge pressure.
 RELATIVE_ROUND_OFF = 1e-14
 # How many times that, over the narrowest gap, an error may be whatever the force: what the
@@ -68,10 +73,11 @@ def estimate_errors(
     )
     size, size_before = results["size"], before[1]
     velocities = have_velocity_terms(terms)
-    size_fraction = CHANGE_SIZE_FRACTION if tolerance >= LOOSE_TOLERANCE else 0.0
+    least_change = CHANGE_SIZE_FRACTION * size if tolerance >= LOOSE_TOLERANCE else 0.0
     if velocities:
-        size_fraction = VELOCITY_CHANGE_SIZE_FRACTION
-    moment = np.maximum(results["moment"], size_fraction * size)
+        resolved = np.maximum(results["resolved"], UNRESOLVED_CHANGE_FRACTION * size)
+        least_change = VELOCITY_CHANGE_SIZE_FRACTION * resolved
+    moment = np.maximum(results["moment"], least_change)
     ratio, known = np.full(len(results), DEFAULT_CONVERGENCE_RATIO), ~np.isnan(size_before)
     if known.any() and not velocities:
         # That of the moments, but no less than their sizes': chance may make moments small, or a
@@ -103,6 +109,24 @@ def estimate_errors(
         + ALLOWED_ROUND_OFF_FACTOR * round_off / scenes.narrowest_gap_ratio
     )
     return error, allowed, change
+
+
+def resolved_change(before: tuple[Grid, np.ndarray], after: tuple[Grid, np.ndarray]) -> np.ndarray:
+    """Return the root mean square of a change in the lowest modes of space, (n,).
+
+    Flow with inertia is not smooth at a corner: between the nodes of a grid its state has up to
+    thirty times the error that the force has. That error lies in the higher modes.
+
+    Args:
+        before, after: a grid and the means of films' pressures over a period there, (n, nx, ny).
+    """
+    (coarse, means_before), (fine, means) = before, after
+    _, to_fine_x, to_fine_y = interpolation_matrices(coarse, fine, terms=()).values()
+    count_x, count_y = (ceil(RESOLVED_MODES_FRACTION * count) for count in (coarse.nx, coarse.ny))
+    to_modes_x, to_modes_y = fine.x.eigenmodes[2][:count_x], fine.y.eigenmodes[2][:count_y]
+    with np.errstate(invalid="ignore", over="ignore"):  # where there is no state
+        change = to_fine_x @ means_before @ to_fine_y.T - means
+        return np.asarray(np.linalg.norm(to_modes_x @ change @ to_modes_y.T, axis=(1, 2)))
 
 
 def _convergence_ratio(change: np.ndarray, before: np.ndarray) -> np.ndarray:

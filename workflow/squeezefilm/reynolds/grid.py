@@ -76,7 +76,7 @@ class Grid(HashedOnce):
         return self.ny == 1
 
     @property
-    def coordinates(self) -> Outline | DiscCoordinates | None:
+    def pad_coordinates(self) -> Outline | DiscCoordinates | None:
         """Return what x and y are coordinates of, unless they are those of a rectangle."""
         return DISC_COORDINATES if self.is_radial else self.outline
 
@@ -85,16 +85,16 @@ class Grid(HashedOnce):
         return cached_time_axis(self.nt)
 
     @cached_property
-    def positions(self) -> tuple[np.ndarray, np.ndarray]:
+    def node_positions(self) -> tuple[np.ndarray, np.ndarray]:
         """All nodes x, y across the pad, ends and mirror images included, row by row."""
         along_x, along_y = np.meshgrid(self.x.all_nodes, self.y.all_nodes, indexing="ij")
         flat = along_x.ravel(), along_y.ravel()
-        return self.coordinates.positions(*flat) if self.coordinates else flat
+        return self.pad_coordinates.side_fractions(*flat) if self.pad_coordinates else flat
 
     @cached_property
-    def density(self) -> np.ndarray | float:
+    def area_density(self) -> np.ndarray | float:
         """Area of the pad that the unknowns stand for, over the mean, shape (nx, ny) or 1."""
-        return self.area(self.x.nodes) * self.inverse_mean_area
+        return self.area_ratio_at(self.x.nodes) * self.inverse_mean_area
 
     @property
     def inverse_mean_area(self) -> float:
@@ -105,7 +105,7 @@ class Grid(HashedOnce):
             else 1.0
         )
 
-    def area(self, across: np.ndarray) -> np.ndarray | float:
+    def area_ratio_at(self, across: np.ndarray) -> np.ndarray | float:
         """Area of an outline behind places along x and the unknowns along y, over the typical.
 
         It weighs what changes in time (terms/outline.py); 1 under a rectangle.
@@ -160,7 +160,7 @@ class Grid(HashedOnce):
         return self.nx, self.ny, self.nt
 
     @cached_property
-    def across(self) -> tuple[int, int]:
+    def nodes_across(self) -> tuple[int, int]:
         """Nodes across the pad along x and y; one around for a film without angle."""
         return self.x.full_point_count, 1 if self.is_radial else self.y.full_point_count
 
@@ -170,7 +170,7 @@ class Grid(HashedOnce):
         return replace(self, nt=4)
 
     @cached_property
-    def count(self) -> int:
+    def unknown_count(self) -> int:
         """Number of unknowns."""
         return self.nx * self.ny * self.nt
 
@@ -193,10 +193,11 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
         "laplace_y": grid.y.second_derivative_parts / length_y**2,
         "modes_y": vectors_y,
         "to_modes_y": inverse_y,
-        "time_derivative": grid.t.derivative.T,
+        "time_derivative": grid.t.derivative_matrix.T,
         "eigenvalues": np.add.outer(values_x, values_y),
         "eigenvalues_y": values_y,
-        "weights": np.outer(grid.x.weights, grid.y.weights) * grid.density,
+        "weights": np.outer(grid.x.quadrature_weights, grid.y.quadrature_weights)
+        * grid.area_density,
         "moments_x": _cosine_moment_matrix(grid.x),
         "moments_y": _cosine_moment_matrix(grid.y),
         "sine": np.sin(grid.t.nodes),
@@ -209,14 +210,18 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
 
 def _cosine_moment_matrix(axis: Axis | AngleAxis) -> np.ndarray:
     """The moments without their weights, and the first, which is 1, once more: shape (n, 4)."""
-    cosines = axis.cosine_moment_matrix(MOMENT_COUNT) / axis.weights
+    cosines = axis.cosine_moment_matrix(MOMENT_COUNT) / axis.quadrature_weights
     return np.stack([*cosines, cosines[0]], axis=1)
 
 
 @lru_cache(maxsize=256)
 def interpolation_matrices(coarse: Grid, fine: Grid, *, terms: Terms) -> dict[str, np.ndarray]:
     """Return the matrices that interpolate a state to a finer grid."""
-    matrices = (coarse.t.at(fine.t.nodes).T, coarse.x.at(fine.x.nodes), coarse.y.at(fine.y.nodes))
+    matrices = (
+        coarse.t.matrix_at(fine.t.nodes).T,
+        coarse.x.matrix_at(fine.x.nodes),
+        coarse.y.matrix_at(fine.y.nodes),
+    )
     parts = dict(zip(INTERPOLATION_MATRIX_NAMES, matrices, strict=True))
     for term in terms:
         parts.update(term.interpolation_matrices(coarse, fine))
@@ -234,4 +239,4 @@ def krylov_iteration_flops(grid: Grid, terms: Terms = ()) -> float:
     in_time = 2 + sum(term.TIME_MATRIX_PRODUCT_COUNT for term in terms)
     # Along x and y half of a row where an axis is whole.
     row = grid.nx // (1 + grid.x.uses_even_odd_parts) + grid.ny // (1 + grid.y.uses_even_odd_parts)
-    return 2.0 * grid.count * (in_space * row + in_time * grid.nt)
+    return 2.0 * grid.unknown_count * (in_space * row + in_time * grid.nt)

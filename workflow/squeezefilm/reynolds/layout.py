@@ -64,13 +64,13 @@ class PackedArrays:
     """Arrays of like items behind each other, a row for each item.
 
     Attributes:
-        names: of the arrays.
-        values: shape (items, size of a row).
+        array_names: of the arrays.
+        packed_rows: shape (items, size of a row).
         start_indices: where each begins in its row, on each stage: shape (stages, names).
     """
 
-    names: tuple[str, ...]
-    values: np.ndarray
+    array_names: tuple[str, ...]
+    packed_rows: np.ndarray
     start_indices: np.ndarray
 
     @classmethod
@@ -79,8 +79,8 @@ class PackedArrays:
         if len(parts) == 1:
             return parts[0]
         return cls(
-            parts[0].names,
-            np.concatenate([packed.values for packed in parts]),
+            parts[0].array_names,
+            np.concatenate([packed.packed_rows for packed in parts]),
             parts[0].start_indices,
         )
 

@@ -64,8 +64,8 @@ def _numbers_row_type(widths: tuple[tuple[str, int], ...]) -> np.dtype[Any]:
 
 def _gap_components_at_positions(places: PadPositions, grid: Grid) -> np.ndarray:
     """The gap's parts at each position, as of ``gap_components``."""
-    x, y = grid.positions
-    values, gap = places.parts(x, y), places.pad_profile.pad.gap
+    x, y = grid.node_positions
+    values, gap = places.component_amplitudes(x, y), places.pad_profile.pad.gap
     if not gap.flat or len(values) == 2:
         second = values[1] if len(values) == 2 else np.zeros_like(values[0])
         values = np.stack([values[0], second, np.broadcast_to(gap.rise_m(x, y), second.shape)])
@@ -116,16 +116,16 @@ def profile_fields(
     lengths in units of the pad's x side.
     """
     length_x, length_y = grid.axis_lengths(aspect)
-    along_x = grid.x.derivative @ parts / length_x
-    along_y = parts @ grid.y.derivative.T / length_y
+    along_x = grid.x.derivative_matrix @ parts / length_x
+    along_y = parts @ grid.y.derivative_matrix.T / length_y
     everywhere = {
         "amplitude": parts,
         "slope_x": along_x,
         "slope_y": along_y,
-        "laplacian": grid.x.divergence @ along_x / length_x
-        + along_y @ grid.y.derivative.T / length_y,
+        "laplacian": grid.x.divergence_matrix @ along_x / length_x
+        + along_y @ grid.y.derivative_matrix.T / length_y,
     }
-    inner = (..., grid.x.inner, grid.y.inner)
+    inner = (..., grid.x.inner_slice, grid.y.inner_slice)
     fields = {name: values[inner] for name, values in everywhere.items()}
     for term in terms:
         fields.update(term.profile_fields(parts, grid))
@@ -137,8 +137,8 @@ def mean_gap_components(parts: np.ndarray, grid: Grid) -> np.ndarray:
 
     The rule neglects the ends; what it gives them is small, and the mean is no result.
     """
-    weights = np.outer(grid.x.weights, grid.y.weights) * grid.density
-    inner = parts[..., grid.x.inner, grid.y.inner]
+    weights = np.outer(grid.x.quadrature_weights, grid.y.quadrature_weights) * grid.area_density
+    inner = parts[..., grid.x.inner_slice, grid.y.inner_slice]
     return np.asarray(np.tensordot(inner, weights / weights.sum(), axes=2))
 
 

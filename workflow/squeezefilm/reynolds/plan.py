@@ -36,12 +36,12 @@ class SolvePlan:
     """Terms, domain and profile of scenes, each a column of shape (n,).
 
     Attributes:
-        kinds: the terms that scenes have beside squeezing; ``term_set_index`` is each scene's.
+        term_sets: the terms that scenes have beside squeezing; ``term_set_index`` is each scene's.
         fold_x, fold_y: the film is even about the pad's middle along x, y: half is enough.
         domain: the part of the pad that is solved, of DOMAIN_NAMES.
         absent_terms: names of the terms that the equation does not have, joined by ``; ``.
-        profiles: of each film: which scenes have it, the profile under the pad at its
-            positions, and each scene's position.
+        sampled_profiles_by_film: of each film: which scenes have it, the profile under the pad at
+            its positions, and each scene's position.
     """
 
     scenes: Scenes
@@ -51,7 +51,7 @@ class SolvePlan:
     fold_y: np.ndarray
     domain: np.ndarray
     absent_terms: np.ndarray
-    profiles: Sequence[tuple[Rows, SampledProfiles, np.ndarray]]
+    sampled_profiles_by_film: Sequence[tuple[Rows, SampledProfiles, np.ndarray]]
     _cache: dict[object, Any] = field(default_factory=dict)
 
     @property
@@ -80,8 +80,10 @@ class SolvePlan:
         return self.compute_cached("samples", self._find_profile_resolution, fraction)
 
     def _find_profile_resolution(self, fraction: float) -> ProfileResolution:
-        found = [sampled.at(fraction)[at] for _, sampled, at in self.profiles]
-        rows = np.concatenate([rows for rows, _, _ in self.profiles])
+        found = [
+            sampled.resolution_at(fraction)[at] for _, sampled, at in self.sampled_profiles_by_film
+        ]
+        rows = np.concatenate([rows for rows, _, _ in self.sampled_profiles_by_film])
         return join_profile_resolutions(found)[np.argsort(rows)]
 
 
@@ -89,7 +91,7 @@ def solve_plan_of(scenes: Scenes | Sequence[Scene] | Scene) -> SolvePlan:
     """Return what scenes need by their profiles, motion and gas."""
     scenes = Scenes.of([scenes] if isinstance(scenes, Scene) else scenes)
     # The terms of a gap that is shaped at rest go by its size.
-    if not scenes.flat or len(scenes) > MAX_CACHED_POSITIONS:
+    if not scenes.is_flat or len(scenes) > MAX_CACHED_POSITIONS:
         return _build_solve_plan(scenes)
     columns = (scenes.film_index, scenes.x_m, scenes.y_m)
     plan = call_cached(

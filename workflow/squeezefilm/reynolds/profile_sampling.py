@@ -46,27 +46,28 @@ class ProfileResolution:
         largest_error_position: where, in [0, 1] across the pad: (n, 2).
         curvature: largest |∂²s/∂X²|, |∂²s/∂Y²| of the interpolant, lengths in units of the pad's
             sides: (n, 2).
-        tail: what an interpolant with k nodes along x, y misses of this one: (n, 2, most k + 1).
+        tail_sums: what an interpolant with k nodes along x, y misses of this one: (n, 2, most k +
+            1).
     """
 
     interpolation_error: np.ndarray
     largest_error_position: np.ndarray
     curvature: np.ndarray
-    tail: np.ndarray
+    tail_sums: np.ndarray
 
     def __getitem__(self, rows: np.ndarray | slice) -> ProfileResolution:
         return ProfileResolution(*(each[rows] for each in vars(self).values()))
 
-    def nodes(self, fraction: float) -> np.ndarray:
+    def needed_nodes(self, fraction: float) -> np.ndarray:
         """Nodes along x and y that miss no more than a share, (n, 2)."""
-        return np.argmax(self.tail <= fraction, axis=2)
+        return np.argmax(self.tail_sums <= fraction, axis=2)
 
     def error_with_node_counts(
         self, nodes: tuple[int, int], rows: np.ndarray | slice
     ) -> np.ndarray:
         """Return the errors of interpolants with so many nodes along x, y, (n, 2)."""
-        most = self.tail.shape[2] - 1
-        return np.array([self.tail[rows, k, min(n + 2, most)] for k, n in enumerate(nodes)]).T
+        most = self.tail_sums.shape[2] - 1
+        return np.array([self.tail_sums[rows, k, min(n + 2, most)] for k, n in enumerate(nodes)]).T
 
 
 class SampledProfiles:
@@ -88,7 +89,7 @@ class SampledProfiles:
         self._landmarks = _landmarks_under_pad(places)
         self._sample_level(0, np.arange(count))
 
-    def at(self, fraction: float) -> ProfileResolution:
+    def resolution_at(self, fraction: float) -> ProfileResolution:
         """Return samples of the first level whose error is at most a fraction, else the last."""
         if fraction not in self._at:
             rows = np.arange(len(self._largest))
@@ -119,11 +120,11 @@ class SampledProfiles:
         x, y = first.largest_error_position[0]
         angle = np.pi / 4 * np.arange(8)
         way_m = pad.length_x_m * np.geomspace(1e-6, 1, 300)
-        values = place.parts(
+        values = place.component_amplitudes(
             (x + np.outer(way_m, np.cos(angle)) / pad.length_x_m).ravel(),
             (y + np.outer(way_m, np.sin(angle)) / pad.length_y_m).ravel(),
         )
-        here = place.parts(np.array([x]), np.array([y]))
+        here = place.component_amplitudes(np.array([x]), np.array([y]))
         changed = np.abs(values - here).max(axis=(0, 1)).reshape(300, 8)
         far = (changed >= first.interpolation_error[0] * self._largest[0] / 2).any(axis=1)
         return float(2 * way_m[np.argmax(far) if far.any() else -1])
@@ -176,9 +177,9 @@ def join_profile_resolutions(parts: Sequence[ProfileResolution]) -> ProfileResol
     """Concatenate samples; tails are padded with zeros beyond their last node."""
     if len(parts) == 1:
         return parts[0]
-    width = max(each.tail.shape[2] for each in parts)
-    more = [((0, 0), (0, 0), (0, width - each.tail.shape[2])) for each in parts]
-    tails = [np.pad(each.tail, beyond) for each, beyond in zip(parts, more, strict=True)]
+    width = max(each.tail_sums.shape[2] for each in parts)
+    more = [((0, 0), (0, 0), (0, width - each.tail_sums.shape[2])) for each in parts]
+    tails = [np.pad(each.tail_sums, beyond) for each, beyond in zip(parts, more, strict=True)]
     missed, worst, curvature = (
         np.concatenate([getattr(each, name) for each in parts])
         for name in ("interpolation_error", "largest_error_position", "curvature")
@@ -198,7 +199,9 @@ def _mirror_difference(
     sampler = _sampling_matrices(SAMPLED_NODE_COUNTS[1], coordinates)
     x, y = sampler.x, sampler.y
     mirrored = (1 - x, y) if along_x else (x, 1 - y)
-    return np.abs(places.parts(*mirrored) - places.parts(x, y)).max(axis=(0, 2))
+    return np.abs(places.component_amplitudes(*mirrored) - places.component_amplitudes(x, y)).max(
+        axis=(0, 2)
+    )
 
 
 def _sample_profiles(
@@ -218,11 +221,13 @@ def _sample_profiles(
         u, v = landmarks
         if sampler.coordinates:
             u, v = sampler.coordinates.coordinates(u, v)
-            landmarks = sampler.coordinates.positions(u, v)
+            landmarks = sampler.coordinates.side_fractions(u, v)
         x, y = np.append(x, landmarks[0]), np.append(y, landmarks[1])
         to_x = np.vstack([to_x, sampler.line.matrix_to_points(u)])
         to_y = np.vstack([to_y, sampler.across.matrix_to_points(v)])
-    everywhere = places.parts(np.append(sampler.grid_x, x), np.append(sampler.grid_y, y))
+    everywhere = places.component_amplitudes(
+        np.append(sampler.grid_x, x), np.append(sampler.grid_y, y)
+    )
     nodes = len(sampler.line.all_nodes), len(sampler.across.all_nodes)
     s = everywhere[..., : sampler.grid_x.size].reshape(*everywhere.shape[:2], *nodes)
     between = everywhere[..., sampler.grid_x.size :]
@@ -243,7 +248,7 @@ def _sample_profiles(
         interpolation_error=missed[np.arange(len(worst)), worst],
         largest_error_position=np.stack([x[worst], y[worst]], axis=1),
         curvature=np.stack(curvature, axis=1),
-        tail=np.stack(tails, axis=1),
+        tail_sums=np.stack(tails, axis=1),
     )
     return samples, s, between
 
@@ -294,14 +299,14 @@ class _SamplingMatrices:
         self.x, self.y = u, v
         if coordinates:
             v = 2 * np.pi * v
-            self.grid_x, self.grid_y = coordinates.positions(self.grid_x, self.grid_y)
-            self.x, self.y = coordinates.positions(u, v)
+            self.grid_x, self.grid_y = coordinates.side_fractions(self.grid_x, self.grid_y)
+            self.x, self.y = coordinates.side_fractions(u, v)
             turns = cached_time_axis(points + 2)
             rising = np.argsort(turns.harmonic_orders, kind="stable")
             self.to_coefficients_y = turns.fourier_matrix[rising] * np.sqrt(2 / (points + 2))
         self.to_x, self.to_y = line.matrix_to_points(u), across.matrix_to_points(v)
-        self.twice = line.derivative @ line.derivative
-        self.twice_y = across.derivative @ across.derivative
+        self.twice = line.derivative_matrix @ line.derivative_matrix
+        self.twice_y = across.derivative_matrix @ across.derivative_matrix
 
 
 _sampling_matrices = lru_cache(maxsize=8 * len(SAMPLED_NODE_COUNTS))(_SamplingMatrices)
@@ -314,7 +319,9 @@ def _landmarks_under_pad(places: PadPositions) -> dict[int, tuple[np.ndarray, np
         return {}
     pad = places.pad_profile.pad
     turned_back = replace(pad, rotation_deg=-pad.rotation_deg)
-    along_x, along_y = turned_back.turned(x_m - places.x_m[:, None], y_m - places.y_m[:, None])
+    along_x, along_y = turned_back.to_actuator_axes(
+        x_m - places.x_m[:, None], y_m - places.y_m[:, None]
+    )
     x, y = 0.5 + along_x / pad.length_x_m, 0.5 + along_y / pad.length_y_m
     inside = (x > 0) & (x < 1) & (y > 0) & (y < 1)
     if pad.smooth_outline:

@@ -104,7 +104,9 @@ def forces_of_test_cases(device: Device) -> dict[str, float]:
     for name, (scene, points) in test_cases().items():
         grid = grid_on_pad(scene, points)
         states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
-        force_of_film[name] = float(states.mean[0]) if states.status[0] == 0 else float("nan")
+        force_of_film[name] = (
+            float(states.mean_pressure_ratio[0]) if states.status_indices[0] == 0 else float("nan")
+        )
     return force_of_film
 
 

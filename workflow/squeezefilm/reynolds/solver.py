@@ -123,12 +123,16 @@ def known_solutions(
     )
     for row, reason in refused.items():
         solutions.status[row] = reason
-    if rows := found.rows.tolist():
+    if rows := found.scene_rows.tolist():
         solutions.status[rows], solutions.method[rows] = found.statuses(tolerance), "composite"
         solutions.domain[rows], solutions.absent_terms[rows] = "whole", plan.absent_terms[rows]
         solutions.nx[rows], solutions.ny[rows] = found.nx, found.ny
         solutions.operation_count[rows] = found.flops
-        scale_n = np.where(np.isfinite(found.error), plan.scenes[found.rows].force_scale_n, np.nan)
-        solutions.force_n[rows] = found.mean * scale_n
-        solutions.force_error_n[rows] = found.error * scale_n
+        scale_n = np.where(
+            np.isfinite(found.pressure_ratio_error),
+            plan.scenes[found.scene_rows].force_scale_n,
+            np.nan,
+        )
+        solutions.force_n[rows] = found.mean_pressure_ratio * scale_n
+        solutions.force_error_n[rows] = found.pressure_ratio_error * scale_n
     return solutions, found

@@ -16,20 +16,20 @@ class Axis:
     """Chebyshev collocation on [0, 1] for functions that vanish at both ends.
 
     A folded axis holds the first half of the interior nodes only and represents functions that
-    are even about 1/2; its ``points`` then stand for twice as many.
+    are even about 1/2; its ``unknown_count`` then stand for twice as many.
 
     Attributes:
-        points: number of unknowns along the axis, n.
+        unknown_count: number of unknowns along the axis, n.
         folded: whether the axis stands for its mirror image too.
     """
 
-    points: int
+    unknown_count: int
     folded: bool
 
     @property
     def full_point_count(self) -> int:
         """Interior nodes of the unfolded axis."""
-        return 2 * self.points if self.folded else self.points
+        return 2 * self.unknown_count if self.folded else self.unknown_count
 
     @cached_property
     def all_nodes(self) -> np.ndarray:
@@ -38,14 +38,14 @@ class Axis:
         return (1 - np.cos(np.pi * np.arange(order + 1) / order)) / 2
 
     @property
-    def inner(self) -> slice:
+    def inner_slice(self) -> slice:
         """Return the nodes that carry unknowns, among all."""
-        return slice(1, self.points + 1)
+        return slice(1, self.unknown_count + 1)
 
     @property
     def nodes(self) -> np.ndarray:
         """The nodes that carry unknowns, shape (n,)."""
-        return self.all_nodes[self.inner]
+        return self.all_nodes[self.inner_slice]
 
     @property
     def uses_even_odd_parts(self) -> bool:
@@ -53,7 +53,7 @@ class Axis:
         return not self.folded
 
     @cached_property
-    def derivative(self) -> np.ndarray:
+    def derivative_matrix(self) -> np.ndarray:
         """First derivative on all nodes, ends included, shape (full_point_count + 2,) squared.
 
         Entries from Trefethen, Spectral Methods in MATLAB (2000), ch. 6; node differences by a
@@ -75,9 +75,9 @@ class Axis:
         return np.zeros(self.full_point_count + 2)
 
     @property
-    def divergence(self) -> np.ndarray:
+    def divergence_matrix(self) -> np.ndarray:
         """Divergence on all nodes of a flow along the axis."""
-        return self.derivative + np.diag(self.inverse_radius)
+        return self.derivative_matrix + np.diag(self.inverse_radius)
 
     @cached_property
     def second_derivative(self) -> np.ndarray:
@@ -85,15 +85,15 @@ class Axis:
 
         Off the diagonal D2_ij = 2 D_ij (D_ii − 1/(x_i − x_j)) (Welfert 1997), diagonal by row sums.
         """
-        first = self.derivative
+        first = self.derivative_matrix
         distance = np.subtract.outer(self.all_nodes, self.all_nodes)
         np.fill_diagonal(distance, 1.0)
         matrix = 2 * first * (np.diag(first)[:, None] - 1 / distance)
         spread = self.inverse_radius[:, None] * first
-        return self.fold((_with_zero_row_sums(matrix) + spread)[1:-1, 1:-1])
+        return self.fold_matrix((_with_zero_row_sums(matrix) + spread)[1:-1, 1:-1])
 
     @cached_property
-    def weights(self) -> np.ndarray:
+    def quadrature_weights(self) -> np.ndarray:
         """Clenshaw–Curtis weights of the integral over [0, 1], shape (n,); the ends carry zeros."""
         order = self.full_point_count + 1
         angle = np.pi * np.arange(1, order) / order
@@ -103,10 +103,10 @@ class Axis:
         if order % 2 == 0:
             sums -= np.cos(order * angle) / (order**2 - 1)
         weights = sums / order
-        return 2 * weights[: self.points] if self.folded else weights
+        return 2 * weights[: self.unknown_count] if self.folded else weights
 
     @cached_property
-    def modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def eigenmodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Eigenvalues (n,), eigenvectors as columns (n, n) and their inverse (n, n) of D2.
 
         The eigenvalues are real, negative and distinct (Gottlieb and Lustman 1983). Each vector
@@ -115,7 +115,7 @@ class Axis:
         values, vectors = np.linalg.eig(self.second_derivative)
         order = np.argsort(-values.real)
         values, vectors = values.real[order], vectors.real[:, order]
-        vectors = vectors / np.sqrt(self.weights @ vectors**2)
+        vectors = vectors / np.sqrt(self.quadrature_weights @ vectors**2)
         return values, vectors, np.linalg.inv(vectors)
 
     @cached_property
@@ -138,18 +138,18 @@ class Axis:
         An even mode has its place as far from the first as an odd one from the last.
         """
         if self.folded:
-            return self.modes
+            return self.eigenmodes
         values, vectors = np.linalg.eig(even_and_odd_matrices(self.second_derivative))
         order = np.argsort(-values.real, axis=-1)
         values = np.take_along_axis(values.real, order, axis=-1)
         vectors = np.take_along_axis(vectors.real, order[:, None], axis=-1)
-        half = self.points // 2
-        vectors /= np.sqrt(2 * self.weights[:half] @ vectors**2)[:, None]
+        half = self.unknown_count // 2
+        vectors /= np.sqrt(2 * self.quadrature_weights[:half] @ vectors**2)[:, None]
         return np.append(values[0], values[1, ::-1]), vectors, np.linalg.inv(vectors) / 2
 
     def cosine_moment_matrix(self, count: int) -> np.ndarray:
         """Rows that integrate a function times cos 2πkx over [0, 1], k < count: (count, n)."""
-        return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.weights
+        return np.cos(2 * np.pi * np.outer(np.arange(count), self.nodes)) * self.quadrature_weights
 
     @property
     def end_extrapolation_weights(self) -> np.ndarray:
@@ -161,9 +161,9 @@ class Axis:
         others = [np.delete(near, at) for at in range(len(near))]
         return np.array([np.prod(o / (o - node)) for node, o in zip(near, others, strict=True)])
 
-    def at(self, points: np.ndarray) -> np.ndarray:
+    def matrix_at(self, points: np.ndarray) -> np.ndarray:
         """Matrix from the unknowns to some places (m,), shape (m, n)."""
-        return self.fold(self.matrix_to_points(points)[:, 1:-1], rows=len(points))
+        return self.fold_matrix(self.matrix_to_points(points)[:, 1:-1], rows=len(points))
 
     def matrix_to_points(self, points: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes, ends included, to some places (m,), shape (m, nodes).
@@ -174,11 +174,13 @@ class Axis:
         weights[[0, -1]] /= 2
         return _interpolation_matrix(self.all_nodes, weights, points)
 
-    def fold(self, matrix: np.ndarray, *, odd: bool = False, rows: int | None = None) -> np.ndarray:
+    def fold_matrix(
+        self, matrix: np.ndarray, *, odd: bool = False, rows: int | None = None
+    ) -> np.ndarray:
         """Return a matrix for the first half of the points, by the symmetry of the function."""
         if not self.folded:
             return matrix
-        n = self.points
+        n = self.unknown_count
         half = matrix[: rows or n]
         return np.asarray(half[:, :n] + (-1 if odd else 1) * half[:, : n - 1 : -1])
 
@@ -197,17 +199,17 @@ class RadialAxis(Axis):
         return 1 / (self.all_nodes - 0.5)
 
     @cached_property
-    def weights(self) -> np.ndarray:
+    def quadrature_weights(self) -> np.ndarray:
         """Weights of the mean over the disc, shape (n,); the ends carry zeros.
 
         Exact for the polynomials of even degree through all nodes: the mean of T_2k(2r) is
         1/(1 − k²) for even k, else 0.
         """
         order = self.full_point_count + 1
-        half = np.arange(0, self.points + 1, 2)
+        half = np.arange(0, self.unknown_count + 1, 2)
         means = 1 / (1.0 - half**2)
         means[0] /= 2
-        angles = 2 * np.pi * np.outer(half, np.arange(1, self.points + 1)) / order
+        angles = 2 * np.pi * np.outer(half, np.arange(1, self.unknown_count + 1)) / order
         return np.asarray(4 / order * means @ np.cos(angles))
 
 
@@ -219,24 +221,24 @@ class TimeAxis:
     cos nT, sin T, …, sin (n−1)T: a harmonic's sine lies n places behind its cosine.
     """
 
-    points: int
+    instant_count: int
 
     @property
     def nodes(self) -> np.ndarray:
-        return 2 * np.pi * np.arange(self.points) / self.points
+        return 2 * np.pi * np.arange(self.instant_count) / self.instant_count
 
     @cached_property
     def harmonic_orders(self) -> np.ndarray:
         """Harmonic of each basis function, shape (points,); cos nT has no derivative here."""
-        half = self.points // 2
+        half = self.instant_count // 2
         return np.concatenate([np.arange(half), [half], np.arange(1, half)])
 
     def _fourier_basis(self, instants: np.ndarray) -> np.ndarray:
         """The basis functions at some instants, shape (points, instants)."""
         angle = np.outer(self.harmonic_orders, instants)
-        is_sine = np.arange(self.points)[:, None] > self.points // 2
-        basis = np.where(is_sine, np.sin(angle), np.cos(angle)) * np.sqrt(2 / self.points)
-        basis[[0, self.points // 2]] /= np.sqrt(2)
+        is_sine = np.arange(self.instant_count)[:, None] > self.instant_count // 2
+        basis = np.where(is_sine, np.sin(angle), np.cos(angle)) * np.sqrt(2 / self.instant_count)
+        basis[[0, self.instant_count // 2]] /= np.sqrt(2)
         return basis
 
     @cached_property
@@ -245,10 +247,10 @@ class TimeAxis:
         return self._fourier_basis(self.nodes)
 
     @cached_property
-    def derivative(self) -> np.ndarray:
+    def derivative_matrix(self) -> np.ndarray:
         """d/dT on the nodes, shape (points, points)."""
-        half = self.points // 2
-        rates = np.zeros((self.points, self.points))
+        half = self.instant_count // 2
+        rates = np.zeros((self.instant_count, self.instant_count))
         for cosine in range(1, half):
             rates[cosine, half + cosine] = cosine
             rates[half + cosine, cosine] = -cosine
@@ -259,7 +261,7 @@ class TimeAxis:
         kept = np.exp(-((self.harmonic_orders / most) ** HARMONICS_CUTOFF_STEEPNESS))
         return np.asarray(self.fourier_matrix.T * kept @ self.fourier_matrix)
 
-    def at(self, instants: np.ndarray) -> np.ndarray:
+    def matrix_at(self, instants: np.ndarray) -> np.ndarray:
         """Matrix from values on the nodes to any instants T (m,), shape (m, points)."""
         return np.asarray(self._fourier_basis(instants).T @ self.fourier_matrix)
 
@@ -303,12 +305,12 @@ class AngleAxis:
     An axis that is folded by one or both symmetries holds the nodes of a half or a quarter.
 
     Attributes:
-        points: number of unknowns along the axis, n.
+        unknown_count: number of unknowns along the axis, n.
         mirrored_lengthwise: functions are even in ν.
         mirrored_crosswise: functions are the same at ν and π − ν.
     """
 
-    points: int
+    unknown_count: int
     mirrored_lengthwise: bool
     mirrored_crosswise: bool
 
@@ -322,7 +324,7 @@ class AngleAxis:
     @property
     def full_point_count(self) -> int:
         """Nodes all around."""
-        return self.points * 2**self.mirrored_lengthwise * 2**self.mirrored_crosswise
+        return self.unknown_count * 2**self.mirrored_lengthwise * 2**self.mirrored_crosswise
 
     @cached_property
     def all_nodes(self) -> np.ndarray:
@@ -334,48 +336,48 @@ class AngleAxis:
     @property
     def nodes(self) -> np.ndarray:
         """The nodes that carry unknowns, shape (n,)."""
-        return self.all_nodes[: self.points]
+        return self.all_nodes[: self.unknown_count]
 
     @property
-    def inner(self) -> slice:
+    def inner_slice(self) -> slice:
         """Return the nodes that carry unknowns, among all."""
-        return slice(0, self.points)
+        return slice(0, self.unknown_count)
 
     @property
-    def derivative(self) -> np.ndarray:
+    def derivative_matrix(self) -> np.ndarray:
         """First derivative on all nodes, shape (full_point_count, full_point_count)."""
-        return self._full_period.derivative
+        return self._full_period.derivative_matrix
 
     @cached_property
     def second_derivative_parts(self) -> np.ndarray:
         """Second derivative of a function of the axis' symmetries, shape (n, n)."""
         fourier, harmonics = self._full_period.fourier_matrix, self._full_period.harmonic_orders
-        return self._fold(-(fourier[:, : self.points].T * harmonics**2) @ fourier)
+        return self._fold_matrix(-(fourier[:, : self.unknown_count].T * harmonics**2) @ fourier)
 
     @cached_property
-    def weights(self) -> np.ndarray:
+    def quadrature_weights(self) -> np.ndarray:
         """Return the weights of the mean over ν, shape (n,)."""
-        return np.full(self.points, 1 / self.points)
+        return np.full(self.unknown_count, 1 / self.unknown_count)
 
     @cached_property
-    def modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def eigenmodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Eigenvalues (n,), eigenvectors as columns of unit mean square and their inverse."""
         values, vectors = np.linalg.eigh(self.second_derivative_parts)
-        size = np.sqrt(self.points)
+        size = np.sqrt(self.unknown_count)
         return values[::-1], vectors[:, ::-1] * size, vectors[:, ::-1].T / size
 
     @property
     def even_odd_modes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``modes`` likewise."""
-        return self.modes
+        return self.eigenmodes
 
     def cosine_moment_matrix(self, count: int) -> np.ndarray:
         """Rows that average a function times cos 2kν, k < count: (count, n)."""
-        return np.cos(2 * np.outer(np.arange(count), self.nodes)) * self.weights
+        return np.cos(2 * np.outer(np.arange(count), self.nodes)) * self.quadrature_weights
 
     def matrix_to_points(self, points: np.ndarray) -> np.ndarray:
         """Matrix from values on all nodes to some places (m,), shape (m, full_point_count)."""
-        return self._full_period.at(points - self.all_nodes[0])
+        return self._full_period.matrix_at(points - self.all_nodes[0])
 
     @cached_property
     def _mirror_index_and_sign(self) -> tuple[np.ndarray, np.ndarray]:
@@ -399,27 +401,27 @@ class AngleAxis:
             if has
         ]
 
-    def at(self, points: np.ndarray, *, odd: bool = False) -> np.ndarray:
+    def matrix_at(self, points: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """Matrix from the unknowns to some places (m,), shape (m, n).
 
         ``odd`` is for a function that changes its sign at each mirror.
         """
-        return self._fold(self.matrix_to_points(points), odd=odd)
+        return self._fold_matrix(self.matrix_to_points(points), odd=odd)
 
     @property
     def _full_period(self) -> TimeAxis:
         return cached_time_axis(self.full_point_count)
 
-    def _fold(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:
+    def _fold_matrix(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """Return a matrix for the unknowns alone, by the symmetry of the function it acts on."""
-        folded = np.zeros((len(matrix), self.points))
+        folded = np.zeros((len(matrix), self.unknown_count))
         for at, sign, column in zip(*self._mirror_index_and_sign, matrix.T, strict=True):
             folded[:, at] += sign * column if odd else column
         return folded
 
-    def slope(self, *, odd: bool) -> np.ndarray:
+    def derivative_at_unknowns(self, *, odd: bool) -> np.ndarray:
         """First derivative at the unknowns of a function that mirrors keep, or change in sign."""
-        return self._fold(self.derivative[: self.points], odd=odd)
+        return self._fold_matrix(self.derivative_matrix[: self.unknown_count], odd=odd)
 
 
 cached_angle_axis = lru_cache(maxsize=64)(AngleAxis)
@@ -446,7 +448,7 @@ class FluxPoints:
     @property
     def matrix_from_all_nodes(self) -> np.ndarray:
         """Values here of a function that is known on all nodes, shape (n, nodes)."""
-        return self.axis.matrix_to_points(self.all_points)[: self.axis.points]
+        return self.axis.matrix_to_points(self.all_points)[: self.axis.unknown_count]
 
     def matrices(self, length: float) -> dict[str, np.ndarray]:
         """Return the matrices of an axis of some length for kernels, by name.
@@ -462,17 +464,18 @@ class FluxPoints:
         """
         axis, parts = self.axis, self.axis.even_odd_parts
         to_points, to_nodes = axis.matrix_to_points(self.all_points), self.matrix_to_nodes
-        first, last = axis.derivative[1 : axis.points + 1, [0, -1]].T
+        first, last = axis.derivative_matrix[1 : axis.unknown_count + 1, [0, -1]].T
         edge = np.stack([first + last, 0 * last] if axis.folded else [first, last])
-        slope = (to_points @ axis.derivative)[:, 1:-1]
+        slope = (to_points @ axis.derivative_matrix)[:, 1:-1]
         spread = axis.inverse_radius[1:-1, None] * to_nodes
         return {
-            "values": parts(axis.fold(to_points[:, 1:-1])),
+            "values": parts(axis.fold_matrix(to_points[:, 1:-1])),
             "nodes": parts(self.matrix_to_inner_nodes),
-            "slope": parts(axis.fold(slope)) / length,
-            "along": parts(axis.fold(self._derivative, odd=True)) / length,
-            "divergence": parts(axis.fold(to_nodes @ self._derivative + spread, odd=True)) / length,
-            "across": parts(axis.fold(axis.derivative[1:-1, 1:-1])) / length,
+            "slope": parts(axis.fold_matrix(slope)) / length,
+            "along": parts(axis.fold_matrix(self._derivative, odd=True)) / length,
+            "divergence": parts(axis.fold_matrix(to_nodes @ self._derivative + spread, odd=True))
+            / length,
+            "across": parts(axis.fold_matrix(axis.derivative_matrix[1:-1, 1:-1])) / length,
             "edge": edge / length,
             "to_end": axis.end_extrapolation_weights,
         }
@@ -481,16 +484,18 @@ class FluxPoints:
     def matrix_to_nodes(self) -> np.ndarray:
         """Interpolation from all points to all nodes inside, (full_point_count,
         full_point_count)."""
-        return self.at(self.axis.all_nodes[1:-1])
+        return self.matrix_at(self.axis.all_nodes[1:-1])
 
     @property
     def matrix_to_inner_nodes(self) -> np.ndarray:
         """The velocity along the axis at the nodes that carry unknowns, shape (n, n)."""
-        return self.axis.fold(self.matrix_to_nodes, odd=True)
+        return self.axis.fold_matrix(self.matrix_to_nodes, odd=True)
 
     def matrix_to_finer_points(self, finer: FluxPoints) -> np.ndarray:
         """The velocity along the axis on another one's points, shape (finer n, n)."""
-        return self.axis.fold(self.at(finer.all_points), odd=True, rows=finer.axis.points)
+        return self.axis.fold_matrix(
+            self.matrix_at(finer.all_points), odd=True, rows=finer.axis.unknown_count
+        )
 
     @cached_property
     def _barycentric_weights(self) -> np.ndarray:
@@ -498,7 +503,7 @@ class FluxPoints:
         index = np.arange(self.axis.full_point_count)
         return (-1.0) ** index * np.sin(np.pi * (index + 0.5) / len(index))
 
-    def at(self, points: np.ndarray) -> np.ndarray:
+    def matrix_at(self, points: np.ndarray) -> np.ndarray:
         """Interpolation from all points to places of the axis, (places, full_point_count)."""
         return _interpolation_matrix(self.all_points, self._barycentric_weights, points)
 
@@ -521,21 +526,21 @@ class AngleFluxPoints:
 
     @property
     def matrix_from_all_nodes(self) -> np.ndarray:
-        return np.eye(self.axis.full_point_count)[self.axis.inner]
+        return np.eye(self.axis.full_point_count)[self.axis.inner_slice]
 
     def matrices(self, length: float) -> dict[str, np.ndarray]:
-        same, n = np.eye(self.axis.points), self.axis.points
-        even, odd = (self.axis.slope(odd=odd) / length for odd in (False, True))
+        same, n = np.eye(self.axis.unknown_count), self.axis.unknown_count
+        even, odd = (self.axis.derivative_at_unknowns(odd=odd) / length for odd in (False, True))
         ends = {"edge": np.zeros((2, n)), "to_end": np.zeros(4)}
         values = {"values": same, "nodes": same}
         return {**values, **ends, "slope": even, "across": even, "along": odd, "divergence": odd}
 
     @property
     def matrix_to_inner_nodes(self) -> np.ndarray:
-        return np.eye(self.axis.points)
+        return np.eye(self.axis.unknown_count)
 
     def matrix_to_finer_points(self, finer: AngleFluxPoints) -> np.ndarray:
-        return self.axis.at(finer.axis.nodes, odd=True)
+        return self.axis.matrix_at(finer.axis.nodes, odd=True)
 
 
 @lru_cache(maxsize=64)

@@ -72,7 +72,7 @@ def random_plan(*, points: int, seed: int, **ranges: tuple[float, float]) -> pd.
     return _scale_to_ranges(ranges, np.random.default_rng(seed).random((points, 4)))
 
 
-def sweep_table_pieces(
+def sobol_sweep_pieces(
     *, points: int, first: int, seed: int, **ranges: tuple[float, float]
 ) -> Iterator[pd.DataFrame]:
     """Points of a Sobol' sequence, which fills the ranges of the four factors evenly; in pieces.
@@ -110,7 +110,7 @@ def write_scenes(
     with table_writer(output) as write:
         if name == "sweep":
             sweep: Any = config.sweep.model_dump() | space_of_study(config).limits
-            for piece in sweep_table_pieces(**sweep):
+            for piece in sobol_sweep_pieces(**sweep):
                 write(piece)
         elif name == "extrapolation":
             write(

@@ -150,7 +150,7 @@ def _extreme_points_by_section(config: Study) -> Iterator[tuple[str, pd.DataFram
         # Designs and control points may lie between the directions given: also where the pad's
         # farthest point is farthest out.
         x_m, y_m = max(config.read_pad().edge_points_m().tolist(), key=lambda point: hypot(*point))
-        farthest = float(symmetry.fold(degrees(atan2(y_m, x_m))))
+        farthest = float(symmetry.fold_directions(degrees(atan2(y_m, x_m))))
         pad_positions += [(radius, farthest) for radius in positions.phi_r_m]
     first, second = symmetry.position_columns
     names = [f"({first} = {one:g}, {second} = {other:g})" for one, other in pad_positions]

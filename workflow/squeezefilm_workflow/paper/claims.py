@@ -103,7 +103,7 @@ def _two_factor_values(results: Results) -> ClaimValues:
         "runs": len(runs),
         "theta": math.log10(max(map(abs, fit.theta)) / 10),
         "theta_shown": ", ".join(f"{value:.4g}" for value in fit.theta),
-        "screen_error": 100 * results.validation("screen", "screen")["global_error"],
+        "screen_error": 100 * results.validation_errors("screen", "screen")["global_error"],
         "smallest_force": ppm,
         "smallest": smallest,
         "needed_um": smallest["hv_um"] * math.sqrt(90 / ppm) if ppm > 0 else math.nan,
@@ -116,7 +116,7 @@ def _design_values(results: Results) -> ClaimValues:
     """Return values of the searches for a design, the design, and the fit to its points."""
     screen, design = results.forces("screen"), results.design("two_factor")
     fit = results.fit("two_factor_design")
-    judged = results.validation("two_factor_design", "screen")
+    judged = results.validation_errors("two_factor_design", "screen")
     summary = results.read_json_file("designs/two_factor.json")
     scalings, own = summary["scalings"], summary["scaling"]
     patterns = scalings[own]
@@ -215,9 +215,9 @@ def _four_factor_values(results: Results) -> ClaimValues:
     designs = [results.design(name) for name in ("two_factor", "four_factor")]
     two, four = ((design["hv_m"] / design["h0_m"]).to_numpy() for design in designs)
     distance = np.abs(four[:, None] - two[None, :]).min(axis=1) / two.max()
-    judged = results.validation("four_factor_design", "four_factor")
-    distinct = results.validation("four_factor_design_distinct", "four_factor")
-    control = results.validation("four_factor_design_distinct", "four_factor_control")
+    judged = results.validation_errors("four_factor_design", "four_factor")
+    distinct = results.validation_errors("four_factor_design_distinct", "four_factor")
+    control = results.validation_errors("four_factor_design_distinct", "four_factor_control")
     return {
         "four_factor_points": len(plan),
         "positions": len(plan[["phi_r_m", "phi_deg"]].drop_duplicates()),

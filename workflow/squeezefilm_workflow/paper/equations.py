@@ -87,7 +87,7 @@ def _study_value_rows(
             yield part, SYMBOL_OF_PARAMETER[parameter], UNIT_OF_PARAMETER.get(parameter, "–"), value
         yield part, "global error on its own points", "%", 100 * fit.global_error
     for (name, plan), where in LABEL_OF_VALIDATION.items():
-        errors = study.validation(name, plan)
+        errors = study.validation_errors(name, plan)
         yield LABEL_OF_FIT[name], f"global error, {where}", "%", 100 * errors["global_error"]
         worst = 100 * abs(errors["worst_relative_error"])
         yield LABEL_OF_FIT[name], f"worst relative error, {where}", "%", worst

@@ -86,7 +86,11 @@ def _parameters_page(
                     value,
                 )
             )
-        error = fit.global_error if name == plan else results.validation(name, plan)["global_error"]
+        error = (
+            fit.global_error
+            if name == plan
+            else results.validation_errors(name, plan)["global_error"]
+        )
         rows.append((shown, fit.points, f"global error on the {judged_on}", "%", 100 * error))
     data = pd.DataFrame(rows, columns=["fit", "points", "quantity", "unit", "value"])
     note = simulation_error_note(results.forces(plan))

@@ -390,7 +390,7 @@ def study_quantities(results: Results, reference: Path) -> list[CheckedQuantity]
         *(
             ("results", name, _table_quantities)
             for name in COLUMNS_PATTERN_OF_RESULT
-            if results.exists(f"{name}.csv")
+            if results.has_file(f"{name}.csv")
         ),
         *(("tables", name, _table_quantities) for name in file_stems_matching("tables/table*.csv")),
         *(("claims", name, _claim_quantities) for name in file_stems_matching("claims.csv")),
@@ -403,7 +403,7 @@ def study_quantities(results: Results, reference: Path) -> list[CheckedQuantity]
         *(("designs", name, _design_quantities) for name in FIT_OF_DESIGN),
     ]
     # A reference has a sample of the films; all of them take minutes.
-    if config.numerics.extent == "sample" and results.exists("numerics/stability.csv"):
+    if config.numerics.extent == "sample" and results.has_file("numerics/stability.csv"):
         items.append(("numerics", "stability", _stability_quantities))
     quantities = [
         quantity for part, item, make in items for quantity in make(results, closeness, part, item)

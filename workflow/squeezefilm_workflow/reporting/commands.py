@@ -69,13 +69,13 @@ def plot(options: argparse.Namespace) -> None:
         )
     if options.figure == "profile" and options.results and options.results.suffix in tables:
         from squeezefilm_workflow.reporting.figures.maps import (
-            VIBRATION_PROFILE_COLUMNS,
+            REQUIRED_PROFILE_COLUMNS,
             draw_profile_table,
         )
 
         return _save_figure_of_table(
             options.results,
-            columns=VIBRATION_PROFILE_COLUMNS,
+            columns=REQUIRED_PROFILE_COLUMNS,
             draw=draw_profile_table,
             output=options.output,
         )
@@ -89,9 +89,11 @@ def plot(options: argparse.Namespace) -> None:
         figures |= point.load()
     place = options.figure if "/" in options.figure else f"figures/{options.figure}"
     if place not in figures:
-        known = ", ".join(name.removeprefix("figures/") for name in figures)
+        known = ", ".join(sorted(name.removeprefix("figures/") for name in figures))
         raise InputError(f"there is no figure {options.figure!r}; the figures are {known}")
-    draw_and_save(figures[place], Results.of(options.results, options.config), options.output)
+    draw_and_save(
+        figures[place], Results.of_folder(options.results, options.config), options.output
+    )
 
 
 def _save_figure_of_table(
@@ -153,7 +155,7 @@ def recommend(options: argparse.Namespace) -> None:
     """
     from squeezefilm_workflow.reporting.models import recommendation_table
 
-    results = Results.of(options.results, options.config)
+    results = Results.of_folder(options.results, options.config)
     table = recommendation_table(results)
     if table["model"].isna().all():
         raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
@@ -186,7 +188,7 @@ def check(options: argparse.Namespace) -> int:
     """
     from squeezefilm_workflow.reporting.check import FAILED, check_table, terminal_text
 
-    table = check_table(Results.of(options.results, options.config), options.reference)
+    table = check_table(Results.of_folder(options.results, options.config), options.reference)
     if options.output:
         write_table(table, options.output)
     print(terminal_text(table, options.results))
@@ -207,6 +209,8 @@ def reference(options: argparse.Namespace) -> None:
     """
     from squeezefilm_workflow.reporting.check import study_quantities, write_reference
 
-    quantities = study_quantities(Results.of(options.results, options.config), options.output)
+    quantities = study_quantities(
+        Results.of_folder(options.results, options.config), options.output
+    )
     write_reference(quantities, options.results, options.output)
     print(f"{options.output}: written")

@@ -130,7 +130,7 @@ def compare_candidates(results: Results, space: str) -> tuple[pd.DataFrame, pd.D
 
     Raises InputError for a file that is missing or lacks what it must have.
     """
-    sample, factors = results.sample(space)
+    sample, factors = results.validation_sample(space)
     half = ranking_points_mask(len(sample))
     known = half & (sample["status"] == "ok").to_numpy()
     factors, forces = factors.take(known), sample[known].reset_index(drop=True)
@@ -139,7 +139,7 @@ def compare_candidates(results: Results, space: str) -> tuple[pd.DataFrame, pd.D
         int(half.sum() - known.sum()),
     )
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
-    for name in results.config.comparison.of(space):
+    for name in results.config.comparison.names_of_space(space):
         path = results.candidate_fit_file(space, name)
         values = read_json(path)
         try:
@@ -258,11 +258,11 @@ def refine_page(results: Results, *, space: str) -> Page:
 
     Raises InputError for a file that is missing or lacks what it must have.
     """
-    sample, factors = results.sample(space)
+    sample, factors = results.validation_sample(space)
     known = (sample["status"] == "ok").to_numpy()
     force_n, factors = sample["force_n"].to_numpy()[known], factors.take(known)
     rows, reasons, profile_uncertainty = [], {}, 0.0
-    for name in results.config.refine.of(space):
+    for name in results.config.refine.names_of_space(space):
         folder = f"refine/{space}/{name}"
         verdict = results.read_json_file(f"{folder}/verdict.json")
         if "not_supported" in verdict:

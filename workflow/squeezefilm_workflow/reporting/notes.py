@@ -74,7 +74,9 @@ def simulation_error_note(*forces: pd.DataFrame) -> str:
 
 def reynolds_validity_limit(films: str) -> ValidityLimit:
     """The limit of validity in the modified Reynolds number of films of a kind."""
-    return next(limit for limit in VALIDITY_LIMITS if limit.symbol == "Re" and limit.films == films)
+    return next(
+        limit for limit in VALIDITY_LIMITS if limit.symbol == "Re" and limit.film_kind == films
+    )
 
 
 def inertia_page_values(config: Study) -> dict[str, Any]:

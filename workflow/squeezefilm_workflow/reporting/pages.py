@@ -32,7 +32,7 @@ FRACTION_COLUMN_PATTERN = re.compile(
 class Page(NamedTuple):
     """Values of a page's template, and the tables and texts that are written with the page."""
 
-    values: Mapping[str, Any]
+    template_values: Mapping[str, Any]
     file_contents: Mapping[str, pd.DataFrame | dict[str, Any] | str]
 
 

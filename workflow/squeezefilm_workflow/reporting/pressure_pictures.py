@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from squeezefilm.errors import InputError, requires_extra
+from squeezefilm.errors import InputError, imports_from_extra
 from squeezefilm.files import atomic_file
 from squeezefilm_workflow.reporting.figures import style
 
@@ -44,7 +44,7 @@ def read_pressure_field(path: Path | str) -> Dataset:
 
     Raises InputError naming the file, where it cannot be read or holds something else.
     """
-    with requires_extra("fields", what="a pressure field"):
+    with imports_from_extra("fields", what="a pressure field"):
         import xarray
     try:
         field = xarray.load_dataset(path, engine="scipy")

@@ -37,7 +37,7 @@ class Results:
     config: Study
 
     @classmethod
-    def of(cls, folder: Path, study: Path | str | None = None) -> "Results":
+    def of_folder(cls, folder: Path, study: Path | str | None = None) -> "Results":
         """The results in a folder, of a study's file, or else of the one that was left there."""
         return cls(folder, load_config(study or folder / STUDY_FILE_NAME))
 
@@ -45,7 +45,7 @@ class Results:
         """The simulated forces of a plan, of which none may be missing."""
         return read_ok_forces(self.folder / f"simulations/{plan}/forces.csv")
 
-    def sample(self, space: str) -> tuple[pd.DataFrame, Factors]:
+    def validation_sample(self, space: str) -> tuple[pd.DataFrame, Factors]:
         """The validation sample of a space, with points that have no force, and its factors."""
         plan = self.folder / f"simulations/validation_{space}"
         forces = read_forces(plan / "forces.csv")
@@ -69,7 +69,7 @@ class Results:
         """A design's points."""
         return read_design(self.folder / f"designs/{name}.csv")
 
-    def validation(self, fit: str, plan: str) -> Mapping[str, Any]:
+    def validation_errors(self, fit: str, plan: str) -> Mapping[str, Any]:
         """The errors of a fit on a plan."""
         return self.read_json_file(f"validation/{fit}_on_{plan}.json")
 
@@ -106,6 +106,6 @@ class Results:
         """Return a note on films outside the equation's validity range; empty where they do not."""
         return validity_note(self.config)
 
-    def exists(self, file: str) -> bool:
+    def has_file(self, file: str) -> bool:
         """Return whether a file is among the results."""
         return (self.folder / file).exists()

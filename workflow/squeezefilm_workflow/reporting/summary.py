@@ -105,7 +105,7 @@ def headline_values(results: Results) -> dict[str, Any]:
     file = "simulations/extrapolation/forces.csv"
     forces = results.forces("extrapolation").set_index("point_id")
     point = results.row(forces, "operating_point", file)
-    if results.exists("profile/summary.json"):
+    if results.has_file("profile/summary.json"):
         noise = results.read_json_file("profile/summary.json").get(
             "largest_force_noise_fraction", 0.0
         )
@@ -123,10 +123,10 @@ def headline_values(results: Results) -> dict[str, Any]:
         "under": np.abs(film.pad_profile.amplitude(*net_points_on_pad(film.pad), x_m=0.0, y_m=0.0)),
         "extremes": list(mapped.iloc[[-1, 0]].itertuples()),
         "full": results.fit("screen"),
-        "on_screen": results.validation("screen", "screen"),
-        "on_map": results.validation("two_factor_design", "error_map"),
+        "on_screen": results.validation_errors("screen", "screen"),
+        "on_map": results.validation_errors("two_factor_design", "error_map"),
         "fitted": results.fit("two_factor_design").points,
-        "judged": results.validation("two_factor_design", "screen"),
+        "judged": results.validation_errors("two_factor_design", "screen"),
         "claims": claim_verdict_counts(results.table("claims.csv", *CLAIM_COLUMNS_SHOWN))
         if config.paper
         else None,
@@ -222,7 +222,7 @@ def _plan_summary_row(plan: str, table: pd.DataFrame) -> dict[str, str]:
 
 def _validation_error_row(results: Results, pair: str) -> dict[str, str]:
     fit, _, plan = pair.partition("_on_")
-    errors = results.validation(fit, plan)
+    errors = results.validation_errors(fit, plan)
     inside, band = 100 * errors["fraction_within_band"], 100 * errors["band"]
     h0_um, hv_um = 1e6 * errors["worst_h0_m"], 1e6 * errors["worst_hv_m"]
     return {

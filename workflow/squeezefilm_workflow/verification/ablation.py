@@ -35,17 +35,17 @@ COMMON_GRIDS = (
 )
 NOTHING_DISABLED_LABEL = "nothing"
 # What puts a term back, by its name: numbers of the scene's pad, gap or gas.
-TERM_ENABLING_FRACTION = 1e-14
+TERM_ENABLING_TINY_VALUE = 1e-14
 TERM_ENABLING_CHANGES: dict[str, dict[str, Any]] = {
-    "any_gap": {"crown_m": TERM_ENABLING_FRACTION * 1e-6},
-    "bearing": {"speed_x_m_per_s": TERM_ENABLING_FRACTION},
+    "any_gap": {"crown_m": TERM_ENABLING_TINY_VALUE * 1e-6},
+    "bearing": {"speed_x_m_per_s": TERM_ENABLING_TINY_VALUE},
     "rarefaction": {
         "rarefaction": "fukui-kaneko",
-        "mean_free_path_m": TERM_ENABLING_FRACTION * 1e-6,
+        "mean_free_path_m": TERM_ENABLING_TINY_VALUE * 1e-6,
     },
-    "polytropic": {"polytropic_exponent": 1 + TERM_ENABLING_FRACTION},
-    "inertia": {"inertia": "included", "density_kg_per_m3": TERM_ENABLING_FRACTION},
-    "thermal": {"thermal": "included", "prandtl": TERM_ENABLING_FRACTION},
+    "polytropic": {"polytropic_exponent": 1 + TERM_ENABLING_TINY_VALUE},
+    "inertia": {"inertia": "included", "density_kg_per_m3": TERM_ENABLING_TINY_VALUE},
+    "thermal": {"thermal": "included", "prandtl": TERM_ENABLING_TINY_VALUE},
 }
 REFERENCE_TOLERANCE = 1e-9
 # Share of a tolerance that Newton's iteration may leave on one grid for all.
@@ -137,8 +137,13 @@ def _solve_on_common_grids(
         solve_batch(scenes, grid, tolerance=ITERATION_ERROR_FRACTION * tolerance, device=device)
         for grid in COMMON_GRIDS
     )
-    scale, stated = Scenes.of(scenes).force_scale_n, 2 * np.abs(fine.mean - coarse.mean)
-    return StatedForces(scale * fine.mean, scale * (stated + fine.results["residual"]))
+    scale, stated = (
+        Scenes.of(scenes).force_scale_n,
+        2 * np.abs(fine.mean_pressure_ratio - coarse.mean_pressure_ratio),
+    )
+    return StatedForces(
+        scale * fine.mean_pressure_ratio, scale * (stated + fine.result_rows["residual"])
+    )
 
 
 def _solve_in_numpy(scenes: Sequence[Scene], *, tolerance: float) -> StatedForces:

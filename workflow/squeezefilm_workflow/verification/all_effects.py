@@ -47,24 +47,24 @@ class Points:
     Attributes:
         x, y: position across the pad in [0, 1], (points,).
         weights: of a mean over the pad, (points,).
-        gradient, divergence: a matrix for each component of a vector.
-        slopes: of each component of a velocity the derivatives along all axes.
-        normal: outward at the edge, 0 inside, (components, points).
+        gradient_matrices, divergence_matrices: a matrix for each component of a vector.
+        velocity_slope_matrices: of each component of a velocity the derivatives along all axes.
+        outward_normals: outward at the edge, 0 inside, (components, points).
         corner_mask: where two sides meet.
     """
 
     x: FloatArray
     y: FloatArray
     weights: FloatArray
-    gradient: tuple[FloatArray, ...]
-    divergence: tuple[FloatArray, ...]
-    slopes: tuple[tuple[FloatArray, ...], ...]
-    normal: FloatArray
+    gradient_matrices: tuple[FloatArray, ...]
+    divergence_matrices: tuple[FloatArray, ...]
+    velocity_slope_matrices: tuple[tuple[FloatArray, ...], ...]
+    outward_normals: FloatArray
     corner_mask: np.ndarray
 
     @property
     def edge_mask(self) -> np.ndarray:
-        return np.any(self.normal != 0, axis=0)
+        return np.any(self.outward_normals != 0, axis=0)
 
 
 def points_of_scene(scene: Scene, count: int) -> Points:
@@ -94,7 +94,7 @@ def is_axisymmetric(scene: Scene) -> bool:
 def _chebyshev_line_rule(count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Points from −1/2 to 1/2, the matrix of the derivative, and weights."""
     grid = chebyshev_grid(count - 2)
-    return grid.x - 0.5, grid.first, grid.weights
+    return grid.x - 0.5, grid.derivative_matrix, grid.weights
 
 
 def _disc_radius_points(count: int) -> Points:
@@ -180,13 +180,13 @@ def _points_folded_by_symmetry(points: Points, even_x: bool, even_y: bool) -> Po
     values = (distance < 1e-9).astype(float)  # of an even field
     # A component of a vector is odd along its own axis.
     odd = np.where(even & (from_centre < 0), -1.0, 1.0)[:, :, None] * values
-    axes = points.gradient
+    axes = points.gradient_matrices
     return Points(
         *(points.x[kept], points.y[kept], points.weights @ values),
         tuple(along[kept] @ values for along in axes),
         tuple(along[kept] @ of for along, of in zip(axes, odd, strict=True)),
         tuple(tuple(along[kept] @ of for along in axes) for of in odd),
-        *(points.normal[:, kept], points.corner_mask[kept]),
+        *(points.outward_normals[:, kept], points.corner_mask[kept]),
     )
 
 
@@ -307,10 +307,10 @@ class FilmOnPoints:
         for i, u in enumerate(velocity):
             carried = sum(
                 v * _matrix_times_field(slope, u)
-                for v, slope in zip(velocity, at.slopes[i], strict=True)
+                for v, slope in zip(velocity, at.velocity_slope_matrices[i], strict=True)
             )
             momentum[i] += lag * (rates[i] + 9 / 7 * carried - u * filling / 7)
-            momentum[i] += mobility * _matrix_times_field(at.gradient[i], excess)
+            momentum[i] += mobility * _matrix_times_field(at.gradient_matrices[i], excess)
         energy = warm + n["thermal_lag"] * gap * (
             pressure * gap + 4 * n["jump"]
         ) * self.time_derivative(warm)
@@ -323,7 +323,7 @@ class FilmOnPoints:
             beside = lag * (9 / 7 * hot * rates[i] + u * self.time_derivative(hot) / 7) - u * slower
             sliding = self.scene.bearing_number / sigma if i == 0 else 0.0
             flow = pressure * gap * (u + beside + sliding)
-            mass = mass + _matrix_times_field(at.divergence[i], flow)
+            mass = mass + _matrix_times_field(at.divergence_matrices[i], flow)
         self._set_edge_conditions(excess, velocity, mass, momentum)
         return np.concatenate([mass[None], momentum, energy[None]])
 
@@ -332,7 +332,7 @@ class FilmOnPoints:
     ) -> None:
         """Put the conditions at the edge into the residuals of mass and momentum."""
         edge_rows, corner = self.points.edge_mask, self.points.corner_mask
-        normal = self.points.normal[:, edge_rows, None]
+        normal = self.points.outward_normals[:, edge_rows, None]
         out = np.sum(normal * velocity[:, edge_rows], axis=0)
         inflow = np.where(out.real < 0, out, 0.0)
         inflow[corner[edge_rows]] = 0.0
@@ -346,14 +346,14 @@ class FilmOnPoints:
             momentum[:, edge_rows] = across + leaves * along + (1 - leaves) * still
             momentum[:, corner] = velocity[:, corner]
 
-    def solve(self, state: FloatArray | None = None) -> FloatArray:
+    def solve_periodic_state(self, state: FloatArray | None = None) -> FloatArray:
         """Return the periodic state, from another one as a guess.
 
         Raises:
             ArithmeticError: if Newton's method does not converge.
         """
         if state is None:
-            shape = 2 + len(self.points.gradient), len(self.points.x), self.instant_count
+            shape = 2 + len(self.points.gradient_matrices), len(self.points.x), self.instant_count
             state = np.zeros(shape)
         precondition = self._preconditioner(state)
         for _ in range(MAX_NEWTON_STEPS):
@@ -380,7 +380,7 @@ class FilmOnPoints:
                 break
         raise ArithmeticError("Newton's method did not converge")
 
-    def mean(self, state: FloatArray) -> float:
+    def mean_gauge_pressure(self, state: FloatArray) -> float:
         """Return the mean gauge pressure over pad and period, in p0."""
         return float(self.points.weights @ state[0].mean(axis=-1))
 
@@ -396,7 +396,7 @@ class FilmOnPoints:
         still = 1 + n["thermal_lag"] * order
         moved = sum(
             div @ (flow[:, None] * grad)
-            for div, grad in zip(at.divergence, at.gradient, strict=True)
+            for div, grad in zip(at.divergence_matrices, at.gradient_matrices, strict=True)
         )
         systems = []
         for k, harmonic in enumerate(order):
@@ -411,13 +411,13 @@ class FilmOnPoints:
         def apply_preconditioner(residual: FloatArray) -> FloatArray:
             velocity = [multiply_harmonics(component, 1 / inert) for component in residual[1:-1]]
             mass = residual[0] + self.time_derivative(multiply_harmonics(residual[-1], 1 / still))
-            for u, div in zip(velocity, at.divergence, strict=True):
+            for u, div in zip(velocity, at.divergence_matrices, strict=True):
                 mass = mass - div @ (pressure * gap * u)
             mass[edge_rows] = residual[0][edge_rows] * gap[edge_rows]
             waves = np.fft.rfft(mass)
             columns = [lu_solve(lu, waves[:, k]) for k, lu in enumerate(systems)]
             rise = np.fft.irfft(np.stack(columns, axis=-1), n=self.instant_count) / gap
-            for i, grad in enumerate(at.gradient):
+            for i, grad in enumerate(at.gradient_matrices):
                 velocity[i] = velocity[i] - multiply_harmonics(mobility * (grad @ rise), 1 / inert)
             heat = residual[-1] + n["heating"] / 12 * gap**2 * self.time_derivative(rise)
             return np.stack([rise, *velocity, multiply_harmonics(heat, 1 / still)])
@@ -455,6 +455,6 @@ def forces_on_grid(
     grid, state, forces_n = points_of_scene(scene, points), None, []
     for effects_of_film in effects:
         film = FilmOnPoints(scene, effects_of_film, grid, instants)
-        state = film.solve(state)
-        forces_n.append(film.mean(state) * scene.force_scale_n)
+        state = film.solve_periodic_state(state)
+        forces_n.append(film.mean_gauge_pressure(state) * scene.force_scale_n)
     return forces_n

@@ -39,9 +39,12 @@ def periodic_mean_force(scene: Scene, *, points: int = 12, rtol: float = 1e-6) -
     epsilon, sigma = scene.epsilon, scene.sigma
     x_side, y_side = (_SquareSide(points, folded) for folded in film_symmetry_in_x_and_y(scene))
     s_edge = scene.amplitude(*np.meshgrid(x_side.grid.x, y_side.grid.x, indexing="ij"))
-    x_matrix, y_matrix = x_side.grid.first, y_side.grid.first
+    x_matrix, y_matrix = x_side.grid.derivative_matrix, y_side.grid.derivative_matrix
     slope = (x_matrix @ s_edge) ** 2 + (s_edge @ y_matrix.T) ** 2
-    bend = x_side.grid.second @ s_edge + s_edge @ y_side.grid.second.T
+    bend = (
+        x_side.grid.second_derivative_matrix @ s_edge
+        + s_edge @ y_side.grid.second_derivative_matrix.T
+    )
     kept = np.ix_(x_side.kept, y_side.kept)
     s, slope, bend = s_edge[kept].ravel(), slope[kept].ravel(), bend[kept].ravel()
     area = np.outer(x_side.weights, y_side.weights).ravel()
@@ -102,5 +105,5 @@ class _SquareSide:
         if folded:  # an even field on all points
             inner = (inner + inner[::-1])[:, :points]
         self.kept = np.arange(1, inner.shape[1] + 1)
-        self.second = self.grid.second[self.kept, 1:-1] @ inner
+        self.second = self.grid.second_derivative_matrix[self.kept, 1:-1] @ inner
         self.weights = self.grid.weights[1:-1] @ inner

@@ -358,7 +358,10 @@ def compare_coverage(
     for name in models:
         try:
             fit = study.fit(name)
-            interval, centred = fit.model.prediction_interval, fit.model.force_model.is_centred
+            interval, centred = (
+                fit.model.prediction_interval,
+                fit.model.force_model.is_for_centred_pad,
+            )
             if interval is None or interval.error_95 is None:
                 continue
             points, (force_n, error_n) = simulated_forces(centred)

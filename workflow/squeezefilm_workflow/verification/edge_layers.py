@@ -104,7 +104,7 @@ class HalfLine(NamedTuple):
     """Nodes ξ from the edge inwards, d/dξ on them, and weights of the integral over ξ."""
 
     xi: np.ndarray
-    first: np.ndarray
+    derivative_matrix: np.ndarray
     weights: np.ndarray
 
 
@@ -115,7 +115,7 @@ def half_line_of_nodes(nodes: int, stretch: float) -> HalfLine:
     slope = unit * stretch * np.exp(stretch * z)
     return HalfLine(
         xi=unit * np.expm1(stretch * z),
-        first=line.derivative / slope[:, None],
+        derivative_matrix=line.derivative_matrix / slope[:, None],
         weights=quadrature_weights_with_ends(line) * slope,
     )
 
@@ -134,14 +134,14 @@ def layer_coefficients(a: float) -> tuple[float, float, float]:
     time = cached_time_axis(4 * max(6, round(1.2 * log(1e-14) / log(ratio) / 4)))
     gap, core = 1 + a * np.sin(time.nodes), sqrt(1 + 1.5 * a**2)
     line = half_line_of_nodes(NODE_COUNT, NODE_STRETCH)
-    second = (line.first @ line.first)[1:-1]
-    inner, shape = second[:, 1:-1], (NODE_COUNT, time.points)
-    mass = np.full((NODE_COUNT + 2, time.points), core)
+    second = (line.derivative_matrix @ line.derivative_matrix)[1:-1]
+    inner, shape = second[:, 1:-1], (NODE_COUNT, time.instant_count)
+    mass = np.full((NODE_COUNT + 2, time.instant_count), core)
     mass[0] = gap
     # In the time ∫H dT the layer is ∂²(M²/2) = ∂M: with M replaced by its value inside, the
     # linear operator is diagonal in the eigenvectors of both directions.
     root = 1 / np.sqrt(gap)
-    rates, vectors = np.linalg.eigh(1j * root[:, None] * time.derivative * root)
+    rates, vectors = np.linalg.eigh(1j * root[:, None] * time.derivative_matrix * root)
     across, shapes = np.linalg.eig(inner)
     back, divisor = np.linalg.inv(shapes), core * across[:, None] + 1j * rates
 
@@ -152,12 +152,12 @@ def layer_coefficients(a: float) -> tuple[float, float, float]:
     def linear_operator(diffusivity: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         def apply_operator(change: np.ndarray) -> np.ndarray:
             change = change.reshape(shape)
-            return precondition(inner @ (diffusivity * change) - change @ time.derivative.T)
+            return precondition(inner @ (diffusivity * change) - change @ time.derivative_matrix.T)
 
         return apply_operator
 
     for _ in range(MAX_NEWTON_STEPS):
-        residual = second @ (gap * mass**2 / 2) - mass[1:-1] @ time.derivative.T
+        residual = second @ (gap * mass**2 / 2) - mass[1:-1] @ time.derivative_matrix.T
         target = -precondition(residual)
         if np.abs(target).max() < 1e-12:
             break
@@ -174,7 +174,7 @@ def layer_coefficients(a: float) -> tuple[float, float, float]:
     else:
         raise RunError(f"the edge layer at a = {a:g} did not converge")
     d = line.weights @ np.mean((mass - core) / gap, axis=1)
-    square = line.weights @ (mass**2 - core**2) * 3 / time.points
+    square = line.weights @ (mass**2 - core**2) * 3 / time.instant_count
     g, q = square @ np.sin(time.nodes), square @ np.cos(time.nodes)
     return float(d / a**2), float(g / a), float(q / a)
 
@@ -215,49 +215,53 @@ class InertiaLayer:
     instant_count: int
 
     @cached_property
-    def line(self) -> HalfLine:
+    def half_line(self) -> HalfLine:
         return half_line_of_nodes(
             NODE_COUNT_WITH_INERTIA, NODE_STRETCH - STRETCH_LOSS_PER_REYNOLDS * self.reynolds
         )
 
     @cached_property
-    def second(self) -> np.ndarray:
-        return self.line.first @ self.line.first
+    def second_derivative_matrix(self) -> np.ndarray:
+        return self.half_line.derivative_matrix @ self.half_line.derivative_matrix
 
     @property
     def time_derivative(self) -> np.ndarray:
         """d/dT."""
-        return cached_time_axis(self.instant_count).derivative
+        return cached_time_axis(self.instant_count).derivative_matrix
 
     @cached_property
     def gap(self) -> np.ndarray:
         return 1 + self.excursion_ratio * np.sin(cached_time_axis(self.instant_count).nodes)
 
-    def mass(self, stream: np.ndarray) -> np.ndarray:
-        return np.asarray(sqrt(1 + 1.5 * self.excursion_ratio**2) + self.line.first @ stream)
+    def layer_mass(self, stream: np.ndarray) -> np.ndarray:
+        return np.asarray(
+            sqrt(1 + 1.5 * self.excursion_ratio**2) + self.half_line.derivative_matrix @ stream
+        )
 
     def solve(self, nearby: "tuple[InertiaLayer, np.ndarray] | None" = None) -> tuple:
         """Return the stream and the factors of the last step's matrix, from a nearby stream."""
         stream = np.zeros((NODE_COUNT_WITH_INERTIA + 2, self.instant_count))
         if nearby is not None:
             other, known = nearby
-            carried = cached_time_axis(other.instant_count).at(
+            carried = cached_time_axis(other.instant_count).matrix_at(
                 cached_time_axis(self.instant_count).nodes
             )
             stream = known @ carried.T * (self.excursion_ratio / other.excursion_ratio)
         for _ in range(MAX_NEWTON_STEPS):
             factors = lu_factor(self._jacobian(stream), overwrite_a=True, check_finite=False)
-            change = self._solved(factors, -self._residual(stream))
-            least, step_fraction = self.mass(stream).min(), 1.0
-            while self.mass(stream + step_fraction * change).min() <= 0.1 * least:
+            change = self._solve_linear_equation(factors, -self._residual(stream))
+            least, step_fraction = self.layer_mass(stream).min(), 1.0
+            while self.layer_mass(stream + step_fraction * change).min() <= 0.1 * least:
                 step_fraction /= 2
             stream = stream + step_fraction * change
-            if np.abs(self.line.first @ change).max() < 1e-9:
+            if np.abs(self.half_line.derivative_matrix @ change).max() < 1e-9:
                 break
         else:
             raise RunError(f"no edge layer at a = {self.excursion_ratio:g}, Re = {self.reynolds:g}")
         half = self.instant_count // 2
-        waves = np.abs(cached_time_axis(self.instant_count).fourier_matrix @ self.mass(stream).T)
+        waves = np.abs(
+            cached_time_axis(self.instant_count).fourier_matrix @ self.layer_mass(stream).T
+        )
         if waves[half - 1 : half + 1].max() > MAX_SHORT_WAVE_FRACTION:
             raise RunError(
                 f"a = {self.excursion_ratio:g}, Re = {self.reynolds:g}: the layer is not resolved"
@@ -268,9 +272,9 @@ class InertiaLayer:
         self, stream: np.ndarray, factors: tuple
     ) -> tuple[float, float, float, float]:
         """ψ² − 1, d, g and h of a state."""
-        mass, xi = self.mass(stream), self.line.xi[:, None]
+        mass, xi = self.layer_mass(stream), self.half_line.xi[:, None]
         psi = float(mass[-1].mean())
-        d = float(self.line.weights @ np.mean((mass - psi) / self.gap, axis=1))
+        d = float(self.half_line.weights @ np.mean((mass - psi) / self.gap, axis=1))
         flux, sine = (
             -stream @ self.time_derivative.T,
             np.sin(cached_time_axis(self.instant_count).nodes),
@@ -286,14 +290,20 @@ class InertiaLayer:
         changes = []
         for forcing in (by_slope, by_core):
             forcing[0] = 0.0  # P = 1 on the edge
-            answer = self.line.first @ self._solved(factors, -forcing[:-1])
+            answer = self.half_line.derivative_matrix @ self._solve_linear_equation(
+                factors, -forcing[:-1]
+            )
             changes.append(float(answer[-1].mean()))
         return psi**2 - 1, d, 2 * psi * changes[0], changes[1]
 
     def _residual(self, stream: np.ndarray) -> np.ndarray:
         """On all nodes but the last, where X = 0; on the edge w − H."""
-        mass, flux, rate = self.mass(stream), -stream @ self.time_derivative.T, self.time_derivative
-        slope = self.second @ stream
+        mass, flux, rate = (
+            self.layer_mass(stream),
+            -stream @ self.time_derivative.T,
+            self.time_derivative,
+        )
+        slope = self.second_derivative_matrix @ stream
         inertia = (
             mass * (flux @ rate.T)
             - 17 / 7 * flux * (mass @ rate.T)
@@ -305,8 +315,12 @@ class InertiaLayer:
 
     def _linear_coefficients(self, stream: np.ndarray) -> tuple[np.ndarray, ...]:
         """Coefficients of w, ∂w/∂ξ, ∂w/∂T, q and ∂q/∂T in the linear equation."""
-        mass, flux, rate = self.mass(stream), -stream @ self.time_derivative.T, self.time_derivative
-        slope, weight = self.second @ stream, self.reynolds / 10 * self.gap
+        mass, flux, rate = (
+            self.layer_mass(stream),
+            -stream @ self.time_derivative.T,
+            self.time_derivative,
+        )
+        slope, weight = self.second_derivative_matrix @ stream, self.reynolds / 10 * self.gap
         return (
             weight * (flux @ rate.T + 9 / 7 * (flux / mass) ** 2 * slope) + self.gap * slope,
             -9 / 7 * weight * flux**2 / mass + self.gap * mass,
@@ -330,7 +344,10 @@ class InertiaLayer:
     def _jacobian(self, stream: np.ndarray) -> np.ndarray:
         """Jacobian for X on all nodes but the last; the rows of the edge come first."""
         rate, count = self.time_derivative, NODE_COUNT_WITH_INERTIA + 1
-        first, second = self.line.first[:-1, :-1], self.second[:-1, :-1]
+        first, second = (
+            self.half_line.derivative_matrix[:-1, :-1],
+            self.second_derivative_matrix[:-1, :-1],
+        )
         of_mass, of_slope, of_mass_rate, of_flux, of_flux_rate = (
             coefficient[:-1] for coefficient in self._linear_coefficients(stream)
         )
@@ -344,7 +361,7 @@ class InertiaLayer:
         matrix[0, now, :, now] = first[0]
         return np.asarray(matrix.reshape(count * self.instant_count, count * self.instant_count))
 
-    def _solved(self, factors: tuple, right: np.ndarray) -> np.ndarray:
+    def _solve_linear_equation(self, factors: tuple, right: np.ndarray) -> np.ndarray:
         """The linear equation's X for a right-hand side on all nodes but the last."""
         inner = lu_solve(factors, right.ravel(), check_finite=False).reshape(right.shape)
         return np.concatenate([inner, np.zeros((1, right.shape[1]))])

@@ -45,6 +45,8 @@ ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, str, float]] = {
     "THIN_LAYER_CONVERGENCE_RATIO": (resolution, "THIN_LAYER_CONVERGENCE_RATIO", 0.0),
     "ERRATIC_CONVERGENCE_SIGMA": (resolution, "ERRATIC_CONVERGENCE_SIGMA", float("inf")),
     "VELOCITY_CHANGE_SIZE_FRACTION": (error_estimate, "VELOCITY_CHANGE_SIZE_FRACTION", 0.0),
+    "RESOLVED_MODES_FRACTION": (error_estimate, "RESOLVED_MODES_FRACTION", 0.0),
+    "UNRESOLVED_CHANGE_FRACTION": (error_estimate, "UNRESOLVED_CHANGE_FRACTION", 0.0),
 }
 
 
@@ -242,13 +244,13 @@ class RecordedGrids:
         scenes: that of each row.
     """
 
-    table: pd.DataFrame
+    grid_table: pd.DataFrame
     earlier_grid_pair_counts: np.ndarray
     results: np.ndarray
     scenes: Scenes
 
     @classmethod
-    def of(cls, forces: pd.DataFrame, grids: pd.DataFrame) -> "RecordedGrids":
+    def of_tables(cls, forces: pd.DataFrame, grids: pd.DataFrame) -> "RecordedGrids":
         """Join tables of ``estimates``; films without a direct solution have no row.
 
         Raises InputError where no film has one.
@@ -273,19 +275,19 @@ class RecordedGrids:
         """Return error over estimate on the first grid of each film whose estimate is enough."""
         error, allowed = self._estimated_and_allowed_errors()
         enough = (error <= allowed) & (self.results["status"] == 0) & (self.results["lowest"] > 0)
-        off = np.abs(self.results["mean"] - self.table["direct"])
-        ratio = (off / (error + self.table["direct_error"])).set_axis(
-            pd.MultiIndex.from_frame(self.table[["film", "tolerance"]])
+        off = np.abs(self.results["mean"] - self.grid_table["direct"])
+        ratio = (off / (error + self.grid_table["direct_error"])).set_axis(
+            pd.MultiIndex.from_frame(self.grid_table[["film", "tolerance"]])
         )
         ratio = ratio[enough]
         return ratio[~ratio.index.duplicated()]
 
     def _estimated_and_allowed_errors(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the errors that are estimated of all rows, and those that are allowed."""
-        error, allowed = np.empty((2, len(self.table)))
-        change = np.full((2, len(self.table) + 1), np.nan)
+        error, allowed = np.empty((2, len(self.grid_table)))
+        change = np.full((2, len(self.grid_table) + 1), np.nan)
         kinds, kind = distinct_term_sets(self.scenes)
-        keys = np.column_stack([self.earlier_grid_pair_counts, kind, self.table["tolerance"]])
+        keys = np.column_stack([self.earlier_grid_pair_counts, kind, self.grid_table["tolerance"]])
         different, which = np.unique(keys, axis=0, return_inverse=True)
         for group, (grids_before, of_kind, tolerance) in enumerate(different):
             at = np.flatnonzero(which == group)
@@ -295,7 +297,7 @@ class RecordedGrids:
                 change[:, at - 1] if grids_before else np.full((2, len(at)), np.nan),
                 scenes=scenes,
                 terms=kinds[int(of_kind)],
-                of_profile=self.table["of_profile"].to_numpy()[at],
+                of_profile=self.grid_table["of_profile"].to_numpy()[at],
                 least=min_convergence_ratio(scenes),
                 tolerance=float(tolerance),
             )
@@ -317,7 +319,7 @@ def guards(options: argparse.Namespace) -> None:
     then are those that need it.
     """
     forces, grids = pd.read_csv(options.forces), pd.read_csv(options.grids)
-    recorded = RecordedGrids.of(forces, grids)
+    recorded = RecordedGrids.of_tables(forces, grids)
     rows = []
     for guard in ("none", *ERROR_ESTIMATE_GUARDS):
         with guard_switched_off(guard) if guard in ERROR_ESTIMATE_GUARDS else nullcontext():

@@ -101,7 +101,7 @@ class _FilmOnElements:
         self.factors: list[SuperLU | None] = [None] * (steps + 1)
         self.guess: FloatArray | None = None  # u at the phases of the last period
 
-    def pressure(self, u: FloatArray) -> FloatArray:
+    def pressure_at_quadrature(self, u: FloatArray) -> FloatArray:
         """P at the quadrature points."""
         return np.asarray(np.sqrt(1 + 2 * (self.values @ u)))
 
@@ -112,12 +112,12 @@ class _FilmOnElements:
         force = 0.0
         for phase in range(1, self.steps + 1):
             old = self.diffusion[phase - 1] @ u - self.tested_old @ (
-                self.gap_weights[phase - 1] * self.pressure(u)
+                self.gap_weights[phase - 1] * self.pressure_at_quadrature(u)
             )
             step = self.guess[phase] - self.guess[phase - 1] if self.guess is not None else 0
             u = self._implicit_time_step(phase, u + step, old)
             path.append(u)
-            force += self.weights @ (self.pressure(u) - 1)
+            force += self.weights @ (self.pressure_at_quadrature(u) - 1)
         self.guess = np.array(path)
         return u, force / self.steps
 
@@ -125,7 +125,7 @@ class _FilmOnElements:
         """Solve one time step for u by Newton's method from the guess u."""
         gap_weights, diffusion = self.gap_weights[phase], self.diffusion[phase]
         for attempt in range(MAX_NEWTON_STEPS):
-            pressure = self.pressure(u)
+            pressure = self.pressure_at_quadrature(u)
             residual = self.tested_new @ (gap_weights * pressure) + diffusion @ u + old
             factors = self.factors[phase]
             if (

@@ -34,14 +34,14 @@ class ChebyshevGrid:
     """
 
     x: FloatArray
-    first: FloatArray
-    second: FloatArray
+    derivative_matrix: FloatArray
+    second_derivative_matrix: FloatArray
     weights: FloatArray
 
     @cached_property
-    def modes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def second_derivative_modes(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Eigenvalues, vectors and their inverse of ``second`` between the ends, all real."""
-        values, vectors = np.linalg.eig(self.second[1:-1, 1:-1])
+        values, vectors = np.linalg.eig(self.second_derivative_matrix[1:-1, 1:-1])
         return values.real, vectors.real, np.linalg.inv(vectors.real)
 
 
@@ -66,9 +66,12 @@ class CollocatedFilm:
         self.sigma, self.bearing = scene.sigma, scene.bearing_number
         self.knudsen, self.aspect = scene.slip_knudsen, scene.aspect
         inside = slice(1, -1)
-        x_second, y_second = self.x.second, self.y.second / self.aspect**2
+        x_second, y_second = (
+            self.x.second_derivative_matrix,
+            self.y.second_derivative_matrix / self.aspect**2,
+        )
         self.x_second, self.y_second = x_second[inside, inside], y_second[inside, inside]
-        self.x_first = self.x.first[inside, inside]
+        self.x_first = self.x.derivative_matrix[inside, inside]
         self.area = np.outer(self.x.weights[inside], self.y.weights[inside])
         self.i_k = 1j * np.arange(nt // 2 + 1)
         self.i_k[-1] = 0  # the derivative of the sawtooth mode vanishes at the points
@@ -76,8 +79,8 @@ class CollocatedFilm:
         # The gap is differentiated on the whole grid, edge included.
         phase = 2 * math.pi * np.arange(nt) / nt
         whole = scene.gap(*np.meshgrid(self.x.x, self.y.x, indexing="ij"), phase)
-        slope_x = np.tensordot(self.x.first, whole, 1)[inside, inside]
-        slope_y = np.matmul(self.y.first / self.aspect, whole)[inside, inside]
+        slope_x = np.tensordot(self.x.derivative_matrix, whole, 1)[inside, inside]
+        slope_y = np.matmul(self.y.derivative_matrix / self.aspect, whole)[inside, inside]
         bend = np.tensordot(x_second, whole, 1) + np.matmul(y_second, whole)
         self.gap, self.bend = whole[inside, inside], bend[inside, inside]
         self.half = np.sqrt(self.gap)
@@ -89,13 +92,16 @@ class CollocatedFilm:
         flow = self._flow_divergence(self.gap * self.half * p * (1 + p / 2), self.gap * p)
         return flow - self._mass_rate_with_sliding(self.gap * p) - self.squeeze
 
-    def derivative(self, p: FloatArray, w: FloatArray) -> FloatArray:
+    def residual_change_by_mass(self, p: FloatArray, w: FloatArray) -> FloatArray:
         """Derivative of the residual for a mass perturbation w."""
         return self._flow_divergence(self.half * (1 + p) * w, w) - self._mass_rate_with_sliding(w)
 
     def preconditioner(self, p: FloatArray) -> LinearMap:
         """The inverse of the mean diffusion and the rate."""
-        (x_values, x_modes, x_inverse), (y_values, y_modes, y_inverse) = self.x.modes, self.y.modes
+        (x_values, x_modes, x_inverse), (y_values, y_modes, y_inverse) = (
+            self.x.second_derivative_modes,
+            self.y.second_derivative_modes,
+        )
         mean = np.mean(self.gap**2 * (1 + p) + 6 * self.knudsen * self.gap)
         laplacian = np.add.outer(x_values, y_values / self.aspect**2)
         symbol = mean * laplacian[:, :, None] - self.sigma * self.i_k
@@ -107,7 +113,7 @@ class CollocatedFilm:
 
         return apply_preconditioner
 
-    def mean(self, p: FloatArray) -> float:
+    def mean_force(self, p: FloatArray) -> float:
         """The mean force in units of p0 times the area."""
         return float(np.sum(self.area * p.mean(axis=-1)))
 
@@ -144,11 +150,11 @@ def periodic_mean_force(
         precondition = film.preconditioner(p)
         return (
             precondition(film.residual(p)),
-            lambda w: precondition(film.derivative(p, w)),
+            lambda w: precondition(film.residual_change_by_mass(p, w)),
             1 / film.gap,
         )
 
     p = newton_krylov(
         film.gap.shape, linearised_equation, positive=lambda p: 1 + p, tolerance=tolerance
     )
-    return film.mean(p)
+    return film.mean_force(p)

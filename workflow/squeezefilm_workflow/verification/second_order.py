@@ -83,7 +83,7 @@ def depth_resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> flo
     """The same with velocity, and temperature where it is included, resolved across the gap."""
     line = chebyshev_grid(NODES_PER_SIDE)
     inner = slice(1, -1), slice(1, -1)
-    values, vectors, inverse = line.modes
+    values, vectors, inverse = line.second_derivative_modes
     decays = np.add.outer(values, values)
 
     def solve_poisson(source: np.ndarray, decay: complex = 0.0) -> np.ndarray:
@@ -91,10 +91,10 @@ def depth_resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> flo
         return np.pad(vectors @ modes @ vectors.T, 1)
 
     def gradient(field: np.ndarray) -> np.ndarray:
-        return np.stack([line.first @ field, field @ line.first.T])
+        return np.stack([line.derivative_matrix @ field, field @ line.derivative_matrix.T])
 
     def divergence(flow: np.ndarray) -> np.ndarray:
-        return np.asarray(line.first @ flow[0] + flow[1] @ line.first.T)
+        return np.asarray(line.derivative_matrix @ flow[0] + flow[1] @ line.derivative_matrix.T)
 
     def mean_of_product(a: np.ndarray | complex, b: np.ndarray) -> np.ndarray:
         """Mean of the product of two harmonics over a period."""
@@ -104,8 +104,8 @@ def depth_resolved_force(*, reynolds: float, sigma: float, thermal: bool) -> flo
     warming = (1 - 1 / HEAT_CAPACITY_RATIO) * thermal
     factors = exact_factors(reynolds, prandtl=prandtl, heat_capacity_ratio=HEAT_CAPACITY_RATIO)
     gap = np.full((len(line.x), len(line.x)), -1j)
-    rate = 1j * sigma / factors.flow
-    pressure = solve_poisson(rate * gap, rate * factors.density)
+    rate = 1j * sigma / factors.flow_factor
+    pressure = solve_poisson(rate * gap, rate * factors.density_factor)
     force = -12 / sigma * gradient(pressure)
     spread = divergence(force)
     carried = sum(

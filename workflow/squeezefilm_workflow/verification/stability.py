@@ -215,14 +215,14 @@ def state_deviations(scene: Scene, state: PeriodicStates) -> dict[str, float]:
     nx, ny, nt = (2 * math.ceil(0.625 * n) for n in known)  # a quarter more, and even
     finer = CollocatedFilm(scene, nx=nx, ny=ny, nt=nt)
     at = (
-        grid.x.at(finer.x.x[1:-1]),
-        grid.y.at(finer.y.x[1:-1]),
-        in_time.at(cached_time_axis(nt).nodes),
+        grid.x.matrix_at(finer.x.x[1:-1]),
+        grid.y.matrix_at(finer.y.x[1:-1]),
+        in_time.matrix_at(cached_time_axis(nt).nodes),
     )
     p = np.einsum("xa,yb,ti,abi->xyt", *at, state.unknowns[0], optimize=True)
     correction = finer.preconditioner(p)(finer.residual(p))
-    size = finer.mean((finer.gap * p) ** 2)
+    size = finer.mean_force((finer.gap * p) ** 2)
     return {
-        "residual": abs(finer.mean(correction / finer.gap) / finer.mean(p)),
-        "state_residual": math.sqrt(finer.mean(correction**2) / size),
+        "residual": abs(finer.mean_force(correction / finer.gap) / finer.mean_force(p)),
+        "state_residual": math.sqrt(finer.mean_force(correction**2) / size),
     }

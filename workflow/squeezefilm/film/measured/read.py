@@ -48,7 +48,7 @@ def read_scan(
     raise_first_problem(
         path,
         {
-            f"{points} measured points ({scan.missing} missing); a profile needs at least "
+            f"{points} measured points ({scan.missing_count} missing); a profile needs at least "
             f"{MIN_SCAN_POINTS}": points < MIN_SCAN_POINTS,
             "every amplitude is zero: there is no profile": not np.any(scan.amplitude_m),
         },

@@ -39,7 +39,7 @@ class Scan:
     y_m: np.ndarray
     amplitude_m: np.ndarray
     lines: np.ndarray
-    missing: int
+    missing_count: int
     has_phase_or_sign: bool
     notes: tuple[str, ...] = ()
     is_radial: bool = False

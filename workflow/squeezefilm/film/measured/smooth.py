@@ -117,12 +117,12 @@ class SmoothedScan:
     def mode_misfit(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Estimate the part of modes that the points do not determine, over the maximum."""
         modes = self.profile.surface.modes_at(self.profile.orders, x_m, y_m)
-        return np.asarray(np.abs(modes @ self.fit.misfit_coefficients_m) / self.peak_m)
+        return np.asarray(np.abs(modes @ self.fit.undetermined_coefficients_m) / self.peak_m)
 
     @property
     def profiles_with_misfit(self) -> list[ModeSum]:
         """The profiles with so much more and less, over their maxima; none without a misfit."""
-        misfit_m = self.fit.misfit_coefficients_m
+        misfit_m = self.fit.undetermined_coefficients_m
         if not np.any(misfit_m):
             return []
         raw_m = self.peak_m * np.array(self.profile.coefficients)
@@ -221,7 +221,7 @@ def smooth_scan(
             fit, kept, _ = _fit_without_outliers(points, scan.lines, measured)
         else:
             measured = measured.real
-    smooth = points.modes(fit.orders) @ fit.coefficients
+    smooth = points.mode_values(fit.orders) @ fit.coefficients
     # Half a period later every amplitude has the other sign: positive at its largest by choice.
     turn = 1.0 if smooth.real[np.argmax(np.abs(smooth.real))] > 0 else -1.0
     freedom = (1 + np.iscomplexobj(measured)) * (kept.sum() - len(fit.orders))
@@ -232,7 +232,7 @@ def smooth_scan(
 
     largest_m, at_points = (
         _largest_profile_magnitude(scaled_profile_of_fit(fit, 1.0)),
-        fitted.modes(fit.orders).T,
+        fitted.mode_values(fit.orders).T,
     )
     if scale == "measured":
         scale_modes, peak_m = at_points, float(_largest_mode_sum(fit.coefficients, at_points))
@@ -248,7 +248,7 @@ def smooth_scan(
         )
     result = SmoothedScan(
         scan=scan,
-        profile=replace(scaled_profile_of_fit(fit, peak_m), largest=largest_m / peak_m),
+        profile=replace(scaled_profile_of_fit(fit, peak_m), largest_magnitude=largest_m / peak_m),
         out_of_phase=scaled_profile_of_fit(other, peak_m),
         peak_m=peak_m,
         peak_bias_m=bias_m,
@@ -288,7 +288,7 @@ class ScanPoints:
         """Some of the points."""
         return replace(self, x_m=self.x_m[rows], y_m=self.y_m[rows])
 
-    def modes(self, orders: ModeOrders) -> np.ndarray:
+    def mode_values(self, orders: ModeOrders) -> np.ndarray:
         """Values of modes at the points, shape (points, modes)."""
         return self.surface.modes_at(orders, self.x_m, self.y_m)
 
@@ -302,7 +302,7 @@ class ScanPoints:
         )
 
     @cached_property
-    def orders(self) -> dict[int, ModeOrders]:
+    def orders_by_degree(self) -> dict[int, ModeOrders]:
         """The modes up to each degree that so many points allow.
 
         Those of a degree come before those of the next.
@@ -315,7 +315,7 @@ class ScanPoints:
     @cached_property
     def qr_decomposition(self) -> tuple[np.ndarray, np.ndarray]:
         """The QR decomposition of the modes up to the largest degree, which serves all."""
-        q, r = np.linalg.qr(self.modes(self.orders[max(self.orders)]))
+        q, r = np.linalg.qr(self.mode_values(self.orders_by_degree[max(self.orders_by_degree)]))
         return q, r
 
 
@@ -335,7 +335,7 @@ class ModeFit:
     coefficients: np.ndarray
     root: np.ndarray
     leave_one_out_error: float
-    misfit_coefficients_m: np.ndarray
+    undetermined_coefficients_m: np.ndarray
 
 
 def best_mode_fit(points: ScanPoints, measured: np.ndarray) -> ModeFit:
@@ -359,7 +359,7 @@ def _best_fit_of_mode_family(points: ScanPoints, measured: np.ndarray) -> ModeFi
     # More modes are never better determined: where the most are, one condition number will do.
     sure = np.linalg.cond(triangle) <= MAX_CONDITION_NUMBER
     scores: dict[int, float] = {}
-    for degree, orders in points.orders.items():
+    for degree, orders in points.orders_by_degree.items():
         count = len(orders)
         determined = sure or np.linalg.cond(triangle[:count, :count]) <= MAX_CONDITION_NUMBER
         score = _leave_one_out_error(orthogonal[:, :count], measured)
@@ -376,8 +376,8 @@ def _best_fit_of_mode_family(points: ScanPoints, measured: np.ndarray) -> ModeFi
     if EXTRA_MODE_DEGREES <= degree < min(best + EXTRA_MODE_DEGREES, MAX_MODE_DEGREE):
         # The change by the last degrees, by so much less as errors at held-out points fall on half
         # the way to them.
-        lower_orders = points.orders[degree - EXTRA_MODE_DEGREES]
-        lower = np.linalg.lstsq(points.modes(lower_orders), measured, rcond=None)[0]
+        lower_orders = points.orders_by_degree[degree - EXTRA_MODE_DEGREES]
+        lower = np.linalg.lstsq(points.mode_values(lower_orders), measured, rcond=None)[0]
         fall = math.sqrt(
             _leave_one_out_error(orthogonal, measured) / scores[degree - EXTRA_MODE_DEGREES]
         )
@@ -412,13 +412,13 @@ def _modes_with_extra_degrees(
     enough = len(points.x_m) / MIN_POINTS_PER_EXTRA_MODE
     for more in range(min(EXTRA_MODE_DEGREES, MAX_MODE_DEGREE - best), 0, -1):
         orders = points.orders_up_to(best, degrees_more=more)
-        if len(points.orders[best]) < len(orders) <= enough:
-            q, r = np.linalg.qr(points.modes(orders))
+        if len(points.orders_by_degree[best]) < len(orders) <= enough:
+            q, r = np.linalg.qr(points.mode_values(orders))
             left = 1 - np.sum(q**2, axis=1).max()
             if np.linalg.cond(r) <= MAX_CONDITION_NUMBER and left >= MIN_ONE_MINUS_LEVERAGE:
                 return more, orders, q, r
-    orders = points.orders[best]
-    return 0, orders, *np.linalg.qr(points.modes(orders))
+    orders = points.orders_by_degree[best]
+    return 0, orders, *np.linalg.qr(points.mode_values(orders))
 
 
 def angular_variation_note(points: ScanPoints, measured: np.ndarray, fit: ModeFit) -> list[str]:
@@ -560,7 +560,7 @@ def _fit_without_outliers(
     floor = MIN_OUTLIER_RESIDUAL_RATIO * float(np.median(largest))
     for _ in range(MAX_OUTLIER_REFITS):
         fit = best_mode_fit(kept, measured[near])
-        residual = measured - points.modes(fit.orders) @ fit.coefficients
+        residual = measured - points.mode_values(fit.orders) @ fit.coefficients
         parts = np.abs([residual.real, residual.imag][: 1 + np.iscomplexobj(residual)])
         noise = 1.4826 * np.median(parts, axis=1, keepdims=True)
         last, near = (

@@ -126,7 +126,7 @@ NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN = (
     re.compile(r".*[\s,;][-+]?\d"),
 )
 # Of all nodes of a body: the share of a face's, of others, and how far off they are, over the face.
-MIN_FACE_FRACTION, MIN_OFF_FRACTION, MAX_HEIGHT_FRACTION = 0.1, 0.1, 0.05
+MIN_FACE_FRACTION, MIN_OFF_FRACTION, MIN_OFF_FACE_HEIGHT_FRACTION = 0.1, 0.1, 0.05
 # So many rows at a place that differ in time are a time series.
 MIN_TIME_SERIES_ROWS = 8
 TIME_SERIES_REMEDY = "export amplitude and phase at the actuator's frequency"
@@ -267,7 +267,7 @@ def _reject_points_off_surface(
         apart = abs(z_m - z_m[at_face].iloc[0])
         if (
             at_face.mean() > MIN_FACE_FRACTION
-            and (apart > MAX_HEIGHT_FRACTION * np.ptp(x_m)).mean() > MIN_OFF_FRACTION
+            and (apart > MIN_OFF_FACE_HEIGHT_FRACTION * np.ptp(x_m)).mean() > MIN_OFF_FRACTION
         ):
             raise InputError(
                 f"column {column.name!r} has points at several heights, {z_m.min() * 1e3:.4g} to "

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.errors import InputError, raise_first_problem, requires_extra
+from squeezefilm.errors import InputError, imports_from_extra, raise_first_problem
 from squeezefilm.film.measured.scan import (
     MAX_FINITE_VALUE,
     MAX_MODE_DISTANCE_FRACTION,
@@ -69,7 +69,7 @@ def read_universal_file(path: Path, frequency_hz: float | None, rows: str) -> Sc
         rows: ``mode = NUMBER``, which mode shape is taken, or ``reference = NODE`` of the
             functions, with its direction if the node has several: ``5+Z``.
     """
-    with requires_extra("scans", what="a universal file (or export the scan as text)"):
+    with imports_from_extra("scans", what="a universal file (or export the scan as text)"):
         import pyuff
     if frequency_hz is None:
         raise InputError("a universal file needs the actuator's frequency")

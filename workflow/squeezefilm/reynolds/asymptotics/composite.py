@@ -66,11 +66,11 @@ class AsymptoticForces:
     The force is p0 × area × ``mean``.
     """
 
-    mean: np.ndarray
-    error: np.ndarray
+    mean_pressure_ratio: np.ndarray
+    pressure_ratio_error: np.ndarray
 
 
-def expansion_point_count(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
+def expansion_nodes_per_axis(*, tolerance: float, sigma: np.ndarray) -> np.ndarray:
     """Points per direction that a profile about as smooth as the paper's sinc needs.
 
     The error estimate, not only the error, then meets the tolerance: every other node must do.
@@ -108,11 +108,14 @@ def _slip_and_inertia_decorator(expand: ExpansionFunction) -> ExpansionFunction:
         )
         slipping = expand(replace(films, reynolds=none))
         moving, still = expand(equivalent), expand(replace(equivalent, reynolds=none))
-        change = moving.mean - still.mean
-        error = np.maximum(slipping.error, moving.error) + films.slip_remainder_fraction * np.abs(
-            change
+        change = moving.mean_pressure_ratio - still.mean_pressure_ratio
+        error = np.maximum(
+            slipping.pressure_ratio_error, moving.pressure_ratio_error
+        ) + films.slip_remainder_fraction * np.abs(change)
+        return AsymptoticForces(
+            mean_pressure_ratio=slipping.mean_pressure_ratio + change,
+            pressure_ratio_error=_infinite_where_missing(error),
         )
-        return AsymptoticForces(mean=slipping.mean + change, error=_infinite_where_missing(error))
 
     return expand_with_slip_and_inertia
 
@@ -127,12 +130,12 @@ def high_squeeze_limit(films: Films) -> AsymptoticForces:
     """
     fine, coarse = _high_squeeze_expansion(films), _high_squeeze_expansion(films.coarser_films)
     error = (
-        1.05 * np.abs(fine.layer)
+        1.05 * np.abs(fine.layer_contribution)
         + films.layer_remainder
         + films.slip_remainder_fraction * fine.layer_magnitude_sum
     )
-    error = error + grid_error(films, fine.density, coarse.density)
-    return _asymptotic_forces(films, mean=films.mean(fine.density), error=error)
+    error = error + grid_error(films, fine.pressure_integrand, coarse.pressure_integrand)
+    return _asymptotic_forces(films, mean=films.pad_mean(fine.pressure_integrand), error=error)
 
 
 @_slip_and_inertia_decorator
@@ -146,9 +149,13 @@ def edge_layer_expansion(films: Films) -> AsymptoticForces:
     """
     fine, coarse = _high_squeeze_expansion(films), _high_squeeze_expansion(films.coarser_films)
     error = films.layer_remainder + films.slip_remainder_fraction * fine.layer_magnitude_sum
-    rest = fine.layer - coarse.layer
-    error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
-    return _asymptotic_forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+    rest = fine.layer_contribution - coarse.layer_contribution
+    error = error + grid_error(
+        films, fine.pressure_integrand, coarse.pressure_integrand, layer_change=rest
+    )
+    return _asymptotic_forces(
+        films, mean=films.pad_mean(fine.pressure_integrand) + fine.layer_contribution, error=error
+    )
 
 
 @_slip_and_inertia_decorator
@@ -160,15 +167,20 @@ def small_amplitude_expansion(films: Films) -> AsymptoticForces:
     """
     fine, coarse = _second_order_mean(films), _second_order_mean(films.coarser_films)
     square = films.epsilon**2
-    error = films.second_order_remainder * films.mean(np.abs(fine.flow) + np.abs(fine.loss_density))
+    error = films.second_order_remainder * films.pad_mean(
+        np.abs(fine.flow_density) + np.abs(fine.loss_density)
+    )
     error = error + grid_error(
         films,
-        fine.flow - fine.loss_density,
-        coarse.flow - coarse.loss_density,
+        fine.flow_density - fine.loss_density,
+        coarse.flow_density - coarse.loss_density,
         layer_change=fine.edge_driven_mean - coarse.edge_driven_mean,
     )
-    mean = films.mean(fine.flow - fine.loss_density) + fine.edge_driven_mean
-    return AsymptoticForces(mean=square * mean, error=_infinite_where_missing(square * error))
+    mean = films.pad_mean(fine.flow_density - fine.loss_density) + fine.edge_driven_mean
+    return AsymptoticForces(
+        mean_pressure_ratio=square * mean,
+        pressure_ratio_error=_infinite_where_missing(square * error),
+    )
 
 
 @_slip_and_inertia_decorator
@@ -190,9 +202,13 @@ def composite_expansion(films: Films) -> AsymptoticForces:
         + INERTIA_COMPOSITE_ERROR_FACTOR * square * films.narrowing_factor * films.inertia_remainder
         + square * films.narrowing_factor * films.slip_remainder_fraction * fine.layer_magnitude_sum
     )
-    rest = fine.layer - coarse.layer
-    error = error + grid_error(films, fine.density, coarse.density, layer_change=rest)
-    return _asymptotic_forces(films, mean=films.mean(fine.density) + fine.layer, error=error)
+    rest = fine.layer_contribution - coarse.layer_contribution
+    error = error + grid_error(
+        films, fine.pressure_integrand, coarse.pressure_integrand, layer_change=rest
+    )
+    return _asymptotic_forces(
+        films, mean=films.pad_mean(fine.pressure_integrand) + fine.layer_contribution, error=error
+    )
 
 
 def _expansion_exact_to_order_2(films: Films) -> tuple[MeanPressureExpansion, np.ndarray]:
@@ -205,14 +221,18 @@ def _expansion_exact_to_order_2(films: Films) -> tuple[MeanPressureExpansion, np
     second = _high_squeeze_expansion(
         replace(films, epsilon=np.full_like(films.epsilon, SECOND_ORDER_PROBE_EPSILON))
     )
-    density = exact.flow - exact.loss_density - second.density / SECOND_ORDER_PROBE_EPSILON**2
-    layer = exact.edge_driven_mean - second.layer / SECOND_ORDER_PROBE_EPSILON**2
+    density = (
+        exact.flow_density
+        - exact.loss_density
+        - second.pressure_integrand / SECOND_ORDER_PROBE_EPSILON**2
+    )
+    layer = exact.edge_driven_mean - second.layer_contribution / SECOND_ORDER_PROBE_EPSILON**2
     changed = MeanPressureExpansion(
-        full.density + broadcast_over_field(square) * density,
-        full.layer + square * layer,
+        full.pressure_integrand + broadcast_over_field(square) * density,
+        full.layer_contribution + square * layer,
         full.layer_magnitude_sum,
     )
-    return changed, square * (films.mean(density) + layer)
+    return changed, square * (films.pad_mean(density) + layer)
 
 
 def _high_squeeze_expansion(films: Films) -> MeanPressureExpansion:
@@ -233,7 +253,10 @@ def _second_order_mean(films: Films) -> SecondOrderMean:
 def _asymptotic_forces(films: Films, *, mean: np.ndarray, error: np.ndarray) -> AsymptoticForces:
     """Forces, with an infinite error where layers are too thick or the layer's table ends."""
     thin = films.decay_squeeze_number * np.minimum(1, films.aspect) ** 2 >= MIN_EXPANSION_SIGMA
-    return AsymptoticForces(mean=mean, error=_infinite_where_missing(np.where(thin, error, np.inf)))
+    return AsymptoticForces(
+        mean_pressure_ratio=mean,
+        pressure_ratio_error=_infinite_where_missing(np.where(thin, error, np.inf)),
+    )
 
 
 def _infinite_where_missing(error: np.ndarray) -> np.ndarray:
@@ -247,18 +270,18 @@ class ExpansionResults:
 
     Attributes:
         rows: which of the scenes they are, (k,), as all others.
-        mean, error: in units of p0.
+        mean_pressure_ratio, pressure_ratio_error: in units of p0.
         nx, ny: points of the grid.
     """
 
-    rows: np.ndarray
-    mean: np.ndarray
-    error: np.ndarray
+    scene_rows: np.ndarray
+    mean_pressure_ratio: np.ndarray
+    pressure_ratio_error: np.ndarray
     nx: np.ndarray
     ny: np.ndarray
 
     @classmethod
-    def of(cls, rows: np.ndarray | Sequence[int]) -> ExpansionResults:
+    def unknown_for_rows(cls, rows: np.ndarray | Sequence[int]) -> ExpansionResults:
         """Results that are not known yet."""
         rows = np.asarray(rows, dtype=np.int64)
         numbers, points = np.full((2, len(rows)), np.nan), np.zeros((2, len(rows)), dtype=np.int64)
@@ -280,12 +303,17 @@ class ExpansionResults:
     @property
     def relative_error(self) -> np.ndarray:
         """The error over the mean; 0 for a film that is at rest and bears nothing."""
-        nothing = np.where(self.error == 0, 0.0, np.inf)
-        return np.divide(self.error, np.abs(self.mean), out=nothing, where=self.mean != 0)
+        nothing = np.where(self.pressure_ratio_error == 0, 0.0, np.inf)
+        return np.divide(
+            self.pressure_ratio_error,
+            np.abs(self.mean_pressure_ratio),
+            out=nothing,
+            where=self.mean_pressure_ratio != 0,
+        )
 
     def accurate_mask(self, tolerance: float) -> np.ndarray:
         """Return where the estimate meets a relative tolerance; ``nan`` does not."""
-        return np.asarray(self.error <= tolerance * np.abs(self.mean))
+        return np.asarray(self.pressure_ratio_error <= tolerance * np.abs(self.mean_pressure_ratio))
 
     def statuses(self, tolerance: float) -> list[str]:
         """``ok``, or what is wrong with the estimate."""
@@ -296,12 +324,15 @@ class ExpansionResults:
             if holds
             else f"the composite expansion is accurate to {relative:.1e} only"
             for error, holds, relative in zip(
-                self.error, self.accurate_mask(tolerance), self.relative_error, strict=True
+                self.pressure_ratio_error,
+                self.accurate_mask(tolerance),
+                self.relative_error,
+                strict=True,
             )
         ]
 
 
-EMPTY_EXPANSION_RESULTS = ExpansionResults.of([])
+EMPTY_EXPANSION_RESULTS = ExpansionResults.unknown_for_rows([])
 
 
 def reasons_not_expanded(plan: SolvePlan) -> dict[int, str]:
@@ -349,14 +380,14 @@ def composite_forces(
     known[[*excluded, *reasons_not_expanded(plan)]] = False
     rows = np.flatnonzero(known)
     by_layer = expand_scenes(edge_layer_expansion, plan, rows, tolerance=tolerance)
-    flat = np.broadcast_to(scenes.column(lambda film: film.pad.gap.flat), len(scenes))
+    flat = np.broadcast_to(scenes.film_value_column(lambda film: film.pad.gap.flat), len(scenes))
     more = np.flatnonzero(flat[rows] & ~by_layer.accurate_mask(tolerance))
     # Of two large parts that cancel more digits are needed: with those of the tolerance alone the
     # grid's error was twice the tolerance (σ 1e5, 1e-6).
     joined = expand_scenes(
         _composite_or_second_order, plan, rows[more], tolerance=tolerance / 10, layers=True
     )
-    better = joined.error < by_layer.error[more]
+    better = joined.pressure_ratio_error < by_layer.pressure_ratio_error[more]
     by_layer.replace_rows(more[better], joined[better])
     return by_layer[by_layer.accurate_mask(tolerance)] if auto else by_layer
 
@@ -364,10 +395,13 @@ def composite_forces(
 def _composite_or_second_order(films: Films) -> AsymptoticForces:
     """The composite expansion; where layers are too thick for it, the second order in ε alone."""
     forces = composite_expansion(films)
-    thick = ~np.isfinite(forces.error)
+    thick = ~np.isfinite(forces.pressure_ratio_error)
     if thick.any():
-        second = small_amplitude_expansion(films.take(thick))
-        forces.mean[thick], forces.error[thick] = second.mean, second.error
+        second = small_amplitude_expansion(films.select_films(thick))
+        forces.mean_pressure_ratio[thick], forces.pressure_ratio_error[thick] = (
+            second.mean_pressure_ratio,
+            second.pressure_ratio_error,
+        )
     return forces
 
 
@@ -385,21 +419,21 @@ def expand_scenes(
         tolerance: of the grids.
         layers: whether these resolve the layers at the pad's edge.
     """
-    found = ExpansionResults.of(rows)
-    scenes = plan.scenes[found.rows]
+    found = ExpansionResults.unknown_for_rows(rows)
+    scenes = plan.scenes[found.scene_rows]
     sigma = scenes.sigma if layers else np.ones(len(scenes))
     # The error estimate uses every other node, which must resolve the profile too.
-    nodes = 2 * nodes_for_profile(plan, tolerance=tolerance)[found.rows] + 1
+    nodes = 2 * nodes_for_profile(plan, tolerance=tolerance)[found.scene_rows] + 1
     for points, of_axis, at_least in zip(
         (found.nx, found.ny), (sigma, sigma * scenes.aspect**2), nodes.T, strict=True
     ):
-        wanted = expansion_point_count(tolerance=tolerance, sigma=of_axis)
+        wanted = expansion_nodes_per_axis(tolerance=tolerance, sigma=of_axis)
         points[:] = np.maximum(wanted, at_least)
     # Films of one kind together: fields real or complex, gaps even at rest or not, inertia or not.
     kinds = [
         scenes.gas.inertia == "included",
-        scenes.column(lambda film: film.actuator.profile.is_complex),
-        scenes.column(lambda film: film.pad.gap.flat),
+        scenes.film_value_column(lambda film: film.actuator.profile.is_complex),
+        scenes.film_value_column(lambda film: film.pad.gap.flat),
     ]
     columns = [np.broadcast_to(each, len(scenes)) for each in (found.nx, found.ny, *kinds)]
     for group in equal_row_groups(*columns):
@@ -408,7 +442,10 @@ def expand_scenes(
             forces = expand(
                 _films_of_scenes(scenes[batch], nx=found.nx[batch[0]], ny=found.ny[batch[0]])
             )
-            found.mean[batch], found.error[batch] = forces.mean, forces.error
+            found.mean_pressure_ratio[batch], found.pressure_ratio_error[batch] = (
+                forces.mean_pressure_ratio,
+                forces.pressure_ratio_error,
+            )
     return found
 
 
@@ -418,7 +455,7 @@ def _films_of_scenes(scenes: Scenes, *, nx: int, ny: int) -> Films:
     amplitudes, which = scenes.evaluate_at_positions(
         lambda pad_positions: pad_positions.amplitude(x.ravel(), y.ravel())
     )
-    rise_m = scenes.column(lambda film: film.pad.gap.rise_m(x, y))
+    rise_m = scenes.film_value_column(lambda film: film.pad.gap.rise_m(x, y))
     return films_of(
         scenes.epsilon,
         scenes.sigma,

@@ -30,26 +30,27 @@ HARMONIC_SUM_PRECISION, MAX_HARMONICS = 1e-10, 200
 
 @dataclass(frozen=True)
 class MeanPressureExpansion:
-    """A mean gauge pressure to order 1/√σ: the mean of ``density`` over the pad and ``layer``.
+    """A mean gauge pressure to order 1/√σ: the mean of ``mean_density`` over the pad and
+    ``layer_contribution``.
 
-    ``layer_magnitude_sum`` is what ``layer`` is made of without cancellation. Shapes (B, nx + 2, ny
-    + 2), (B,) and (B,).
+    ``layer_magnitude_sum`` is what ``layer_contribution`` is made of without cancellation. Shapes
+    (B, nx + 2, ny + 2), (B,) and (B,).
     """
 
-    density: np.ndarray
-    layer: np.ndarray
+    pressure_integrand: np.ndarray
+    layer_contribution: np.ndarray
     layer_magnitude_sum: np.ndarray
 
 
 @dataclass(frozen=True)
 class SecondOrderMean:
-    """The mean gauge pressure over ε² for ε → 0: that of ``flow`` − ``loss_density``, and
+    """The mean gauge pressure over ε² for ε → 0: that of ``flow_density`` − ``loss_density``, and
     ``edge_driven_mean``.
 
     ``edge_driven_mean``, shape (B,), is what the edge drives by itself.
     """
 
-    flow: np.ndarray
+    flow_density: np.ndarray
     loss_density: np.ndarray
     edge_driven_mean: np.ndarray
 
@@ -79,7 +80,7 @@ def high_squeeze_expansion(films: Films) -> MeanPressureExpansion:
     # harmonic.
     # Under a gap G at rest that is so of ψ²/G², and harmonic is what ∇·(G³∇) maps to zero.
     inner = films.solve_diffusion(
-        -(0.25 + 0.5 * thick) * square * films.diffusion(films.profile_squared)
+        -(0.25 + 0.5 * thick) * square * films.diffusion_of_field(films.profile_squared)
     )
     rise = (0.5 + thick) * gap_square + 2 * inner
     total = np.sqrt(thick**2 + rise)
@@ -89,14 +90,16 @@ def high_squeeze_expansion(films: Films) -> MeanPressureExpansion:
     epsilon = films.epsilon[:, None]
     d, g, q = epsilon**2 * edge_layer.scaled_layer_integrals(epsilon * np.abs(films.edge_profile))
     # With s as its phase, the slope's part in phase goes by g, else by q.
-    turned = films.edge_profile.conj() * films.slope
+    turned = films.edge_profile.conj() * films.edge_normal_slope
     layer, gross = layer_correction(
         films,
         d=d * np.abs(films.edge_profile) ** 2,
         change=g * turned.real + q * turned.imag,
-        influence=-films.inward(films.solve_diffusion(1 / (2 * total * root))),
+        influence=-films.inward_normal_derivative(films.solve_diffusion(1 / (2 * total * root))),
     )
-    return MeanPressureExpansion(density=density, layer=layer, layer_magnitude_sum=gross)
+    return MeanPressureExpansion(
+        pressure_integrand=density, layer_contribution=layer, layer_magnitude_sum=gross
+    )
 
 
 def second_order_mean(films: Films) -> SecondOrderMean:
@@ -105,16 +108,18 @@ def second_order_mean(films: Films) -> SecondOrderMean:
         1 + broadcast_over_field(films.slip),
         broadcast_over_field(films.layer_squeeze_number),
     )
-    linear = films.solve(1j * number * films.s, shift=1j * number)
+    linear = films.solve_helmholtz(1j * number * films.s, shift=1j * number)
     # 2 Re s*∇p̂ = Re ∇(s* p̂) + Re (s*∇p̂ − p̂ ∇s*): the first part is integrated by itself and the
     # divergence of the second needs no derivative of p̂, whose Laplacian is iσ(p̂ + s).
     along = films.s.conj() * linear
-    rest = films.solve(-number * along.imag - (linear * films.profile_laplacian.conj()).real)
+    rest = films.solve_helmholtz(
+        -number * along.imag - (linear * films.profile_laplacian.conj()).real
+    )
     drive = 0.75 * (1 + 2 * thick) / (3 * thick)
     flow = -drive * (along.real + rest)
     loss = np.abs(linear) ** 2 / (4 * thick)
     return SecondOrderMean(
-        flow=flow, loss_density=loss, edge_driven_mean=np.zeros_like(films.epsilon)
+        flow_density=flow, loss_density=loss, edge_driven_mean=np.zeros_like(films.epsilon)
     )
 
 
@@ -154,7 +159,7 @@ def expand_with_inertia(films: Films) -> MeanPressureExpansion:
             beta * (gap_square * along - (1 + rise) * slope)
             for along, slope in zip(films.gradient(rise), over_gap, strict=True)
         )
-        return at_edge + films.solve(films.divergence(*flux) - curvature)
+        return at_edge + films.solve_helmholtz(films.divergence(*flux) - curvature)
 
     rise = find_fixed_point(next_psi_squared_rise, at_edge)
     total, root = np.sqrt(1 + rise), np.sqrt(1 - gap_square)
@@ -171,16 +176,19 @@ def expand_with_inertia(films: Films) -> MeanPressureExpansion:
     def next_adjoint_iterate(chi: np.ndarray) -> np.ndarray:
         along = films.gradient(chi)
         flux = films.divergence(*(gap_square * beta * gradient for gradient in along))
-        return films.solve(weight + flux + drift[0] * along[0] + drift[1] * along[1])
+        return films.solve_helmholtz(weight + flux + drift[0] * along[0] + drift[1] * along[1])
 
-    chi = find_fixed_point(next_adjoint_iterate, films.solve(weight))
+    chi = find_fixed_point(next_adjoint_iterate, films.solve_helmholtz(weight))
     layer, gross = layer_correction(
         films,
         d=d,
-        change=g * films.epsilon[:, None] * films.slope + h * films.inward(rise),
-        influence=-films.edge_values(1 - gap_square * beta) * films.inward(chi),
+        change=g * films.epsilon[:, None] * films.edge_normal_slope
+        + h * films.inward_normal_derivative(rise),
+        influence=-films.edge_values(1 - gap_square * beta) * films.inward_normal_derivative(chi),
     )
-    return MeanPressureExpansion(density=density, layer=layer, layer_magnitude_sum=gross)
+    return MeanPressureExpansion(
+        pressure_integrand=density, layer_contribution=layer, layer_magnitude_sum=gross
+    )
 
 
 def second_order_mean_with_inertia(films: Films) -> SecondOrderMean:
@@ -198,7 +206,7 @@ def second_order_mean_with_inertia(films: Films) -> SecondOrderMean:
     mobility = 1 / (1 + 1j * ratio)
     lag = 1j * number / mobility
     square_factor, profile_factor = 8 / 7 - 15 / 7 * mobility, 15 / 7 - 22 / 7 * mobility
-    linear = films.solve(lag * films.s, shift=lag)
+    linear = films.solve_helmholtz(lag * films.s, shift=lag)
     curved = lag * (linear + films.s)
     crossed = linear.conj() * curved
     direct = 0.25 * films.s * ((profile_factor - 2) * linear).real
@@ -208,10 +216,12 @@ def second_order_mean_with_inertia(films: Films) -> SecondOrderMean:
     source = source + 0.5 * ((square_factor * crossed).real - square_factor.real * crossed.real)
     kinetic = 9 / 28 * ratio * np.abs(mobility) ** 2 / number
     # Over the pad |∇p̂|² has the mean of −Re p̂*∇²p̂.
-    flow = direct + films.solve(source) + kinetic * crossed.real
+    flow = direct + films.solve_helmholtz(source) + kinetic * crossed.real
     loss = -0.25 * square_factor.real * np.abs(linear) ** 2
-    influence = -films.inward(films.solve(np.ones(films.s.shape)))
-    at_edge = kinetic[:, 0] * np.abs(films.inward(linear)) ** 2
+    influence = -films.inward_normal_derivative(films.solve_helmholtz(np.ones(films.s.shape)))
+    at_edge = kinetic[:, 0] * np.abs(films.inward_normal_derivative(linear)) ** 2
     return SecondOrderMean(
-        flow=flow, loss_density=loss, edge_driven_mean=films.edge_integral(influence * at_edge)
+        flow_density=flow,
+        loss_density=loss,
+        edge_driven_mean=films.edge_integral(influence * at_edge),
     )

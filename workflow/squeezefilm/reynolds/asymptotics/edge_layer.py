@@ -86,9 +86,9 @@ def scaled_layer_integrals(a: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=256)
 def quadrature_weights_with_ends(line: Axis) -> np.ndarray:
     """Clenshaw–Curtis weights on all nodes of an unfolded axis, ends included, shape (n + 2,)."""
-    order = line.points + 1
+    order = line.unknown_count + 1
     end = 1 / order**2 if order % 2 else 1 / (order**2 - 1)
-    return np.concatenate([[end / 2], line.weights, [end / 2]])
+    return np.concatenate([[end / 2], line.quadrature_weights, [end / 2]])
 
 
 def log_narrowing_factor(a: np.ndarray | float) -> np.ndarray:

@@ -75,12 +75,12 @@ class Films:
         rest_gap = None if self.static_gap is None else self.static_gap[:, ::2, ::2]
         return replace(self, s=self.s[:, ::2, ::2], static_gap=rest_gap)
 
-    def take(self, which: np.ndarray) -> Films:
+    def select_films(self, which: np.ndarray) -> Films:
         """Some of the films, by a mask (B,); those with inertia have an even gap."""
         own = (self.epsilon, self.sigma, self.s, self.aspect, self.slip, self.reynolds)
         return Films(*(values[which] for values in own))
 
-    def mean(self, field: np.ndarray) -> np.ndarray:
+    def pad_mean(self, field: np.ndarray) -> np.ndarray:
         """Mean over the pad, shape (B,)."""
         return (field @ quadrature_weights_with_ends(self.y_axis)) @ quadrature_weights_with_ends(
             self.x_axis
@@ -88,30 +88,30 @@ class Films:
 
     def gradient(self, field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives along x and y."""
-        along_y = field @ self.y_axis.derivative.T / broadcast_over_field(self.aspect)
-        return self.x_axis.derivative @ field, along_y
+        along_y = field @ self.y_axis.derivative_matrix.T / broadcast_over_field(self.aspect)
+        return self.x_axis.derivative_matrix @ field, along_y
 
     def divergence(self, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:
-        across = along_y @ self.y_axis.derivative.T / broadcast_over_field(self.aspect)
-        return self.x_axis.derivative @ along_x + across
+        across = along_y @ self.y_axis.derivative_matrix.T / broadcast_over_field(self.aspect)
+        return self.x_axis.derivative_matrix @ along_x + across
 
     def laplacian(self, field: np.ndarray) -> np.ndarray:
-        along_y = (field @ _second_derivative_matrix(self.y_axis.points).T) / broadcast_over_field(
-            self.aspect
-        ) ** 2
-        return _second_derivative_matrix(self.x_axis.points) @ field + along_y
+        along_y = (
+            field @ _second_derivative_matrix(self.y_axis.unknown_count).T
+        ) / broadcast_over_field(self.aspect) ** 2
+        return _second_derivative_matrix(self.x_axis.unknown_count) @ field + along_y
 
-    def solve(self, source: np.ndarray, *, shift: np.ndarray | float = 0.0) -> np.ndarray:
+    def solve_helmholtz(self, source: np.ndarray, *, shift: np.ndarray | float = 0.0) -> np.ndarray:
         """The u with ∇²u − shift u = source that is zero on the edge; by fast diagonalisation."""
-        values_x, vectors_x, inverse_x = self.x_axis.modes
-        values_y, vectors_y, inverse_y = self.y_axis.modes
+        values_x, vectors_x, inverse_x = self.x_axis.eigenmodes
+        values_y, vectors_y, inverse_y = self.y_axis.eigenmodes
         divisor = values_x[:, None] + values_y / broadcast_over_field(self.aspect) ** 2 - shift
         modes = inverse_x @ source[:, 1:-1, 1:-1] @ inverse_y.T / divisor
         u = np.zeros(source.shape, dtype=modes.dtype)
         u[:, 1:-1, 1:-1] = vectors_x @ modes @ vectors_y.T
         return u
 
-    def diffusion(self, field: np.ndarray) -> np.ndarray:
+    def diffusion_of_field(self, field: np.ndarray) -> np.ndarray:
         """∇·(G³∇field) with the gap at rest G."""
         if self.static_gap is None:
             return self.laplacian(field)
@@ -125,13 +125,13 @@ class Films:
         where q is nearly the same everywhere: in rounds by Δ less its middle.
         """
         if self.static_gap is None:
-            return self.solve(source)
+            return self.solve_helmholtz(source)
         half = self.static_gap**1.5
         bend = self.laplacian(half) / half
         middle = broadcast_over_field((bend.max(axis=(1, 2)) + bend.min(axis=(1, 2))) / 2)
 
         def next_iterate(v: np.ndarray) -> np.ndarray:
-            return self.solve(source / half + (bend - middle) * v, shift=middle)
+            return self.solve_helmholtz(source / half + (bend - middle) * v, shift=middle)
 
         return find_fixed_point(next_iterate, np.zeros_like(half)) / half
 
@@ -141,7 +141,7 @@ class Films:
 
     def blend_edge_values(self, values: np.ndarray) -> np.ndarray:
         """A smooth field with these values on the edge, blended between opposite sides (Coons)."""
-        nx, ny = self.x_axis.points + 2, self.y_axis.points + 2
+        nx, ny = self.x_axis.unknown_count + 2, self.y_axis.unknown_count + 2
         left, right, low, high = np.split(values, [ny, 2 * ny, 2 * ny + nx], axis=1)
         x, y = self.x_axis.all_nodes[:, None], self.y_axis.all_nodes
         ends = [(1 - x, left[:, None]), (x, right[:, None])]
@@ -153,9 +153,12 @@ class Films:
         field: np.ndarray = between_x + between_y - corners
         return field
 
-    def inward(self, field: np.ndarray) -> np.ndarray:
+    def inward_normal_derivative(self, field: np.ndarray) -> np.ndarray:
         """Derivative along the inward normal, on the edge."""
-        ends_x, ends_y = self.x_axis.derivative[[0, -1]], self.y_axis.derivative[[0, -1]]
+        ends_x, ends_y = (
+            self.x_axis.derivative_matrix[[0, -1]],
+            self.y_axis.derivative_matrix[[0, -1]],
+        )
         across_x = ends_x @ field
         across_y = field @ ends_y.T / broadcast_over_field(self.aspect)
         sides = [across_x[:, 0], -across_x[:, 1], across_y[:, :, 0], -across_y[:, :, 1]]
@@ -163,7 +166,7 @@ class Films:
 
     def edge_integral(self, values: np.ndarray) -> np.ndarray:
         """Integral along the edge over the pad's area, shape (B,)."""
-        sides = np.split(values, [2 * (self.y_axis.points + 2)], axis=1)
+        sides = np.split(values, [2 * (self.y_axis.unknown_count + 2)], axis=1)
         weights = (
             np.tile(quadrature_weights_with_ends(line), 2) for line in (self.y_axis, self.x_axis)
         )
@@ -189,9 +192,9 @@ class Films:
         return self.edge_values(self.s)
 
     @cached_property
-    def slope(self) -> np.ndarray:
+    def edge_normal_slope(self) -> np.ndarray:
         """The profile's inward derivative on the edge."""
-        return self.inward(self.s)
+        return self.inward_normal_derivative(self.s)
 
     @cached_property
     def profile_laplacian(self) -> np.ndarray:
@@ -239,7 +242,7 @@ class Films:
     def layer_remainder(self) -> np.ndarray:
         """Error of the edge layer's expansion: slopes, curvature of s, corners, meeting layers."""
         sigma = self.layer_squeeze_number
-        curvature = self.mean(np.abs(self.profile_laplacian) ** 2)
+        curvature = self.pad_mean(np.abs(self.profile_laplacian) ** 2)
         meeting = np.exp(-np.sqrt(self.decay_squeeze_number / 2) * np.minimum(1, self.aspect))
         remainder = self.corner_remainder + np.sqrt(self.narrowing_factor) * self.inertia_remainder
         return (
@@ -268,7 +271,7 @@ class Films:
         """Error of the edge layer's expansion by a second quadrature component: of order ε²/σ."""
         if not np.iscomplexobj(self.s):
             return 0.0
-        uneven = self.mean(self.profile_unevenness)
+        uneven = self.pad_mean(self.profile_unevenness)
         root = np.sqrt(self.narrowing_factor)
         return STREAMING_ERROR_FACTOR * self.epsilon**2 * root * uneven / self.layer_squeeze_number
 
@@ -343,7 +346,7 @@ def films_of(
         epsilon, sigma: excursion ratio and squeeze number, shape (B,).
         amplitude: profile s, or s₁ + i s₂ of two quadrature components, on the nodes
             ``expansion_axis(n).all_nodes`` along x and y, ends included, shape (B, nx + 2, ny + 2);
-            nx and ny odd, at least 5 (``composite.expansion_point_count``). With inertia in one
+            nx and ny odd, at least 5 (``composite.expansion_nodes_per_axis``). With inertia in one
             phase alone.
         aspect: pad's length along y over that along x, a number or shape (B,).
         slip: first-order slip 6 Kn at the mean gap, a number or shape (B,); 0 without slip.
@@ -371,10 +374,10 @@ def grid_error(
         layer_change: change of what is not in the densities.
     """
     half = films.coarser_films
-    change = films.mean(fine) - half.mean(coarse) + layer_change
+    change = films.pad_mean(fine) - half.pad_mean(coarse) + layer_change
     return np.maximum(
         np.abs(change),
-        MIN_ERROR_PER_DENSITY_CHANGE * half.mean(np.abs(fine[:, ::2, ::2] - coarse)),
+        MIN_ERROR_PER_DENSITY_CHANGE * half.pad_mean(np.abs(fine[:, ::2, ::2] - coarse)),
     )
 
 
@@ -396,5 +399,5 @@ def broadcast_over_field(values: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _second_derivative_matrix(points: int) -> np.ndarray:
-    first = cached_axis(points, False).derivative
+    first = cached_axis(points, False).derivative_matrix
     return first @ first

@@ -20,6 +20,7 @@ from squeezefilm.reynolds.device import (
     compiled_kernel,
     run_kernel,
 )
+from squeezefilm.reynolds.error_estimate import resolved_change
 from squeezefilm.reynolds.grid import (
     INTERPOLATION_MATRIX_NAMES,
     Grid,
@@ -67,19 +68,20 @@ MAX_WORKSPACE_BYTES = 256 * 2**20
 MAX_OPERATIONS = 5e11
 
 # How an iteration ends: the kernel's names, and what is said of it.
-STATUS_OF_KERNEL_ENDING = {
+STATUS_OF_ENDING_NAME = {
     "CONVERGED": "ok",
     "STALLED": "not converged: Newton's method",
     "NOT_FINITE": "not converged: the pressure became infinite",
     "OVER_LIMIT": f"not converged: no state within {MAX_OPERATIONS:.0e} operations",
 }
-STATUS_TEXTS = tuple(STATUS_OF_KERNEL_ENDING.values())
+STATUS_TEXTS = tuple(STATUS_OF_ENDING_NAME.values())
 
-# What the device says of a scene on a grid beside its gauge pressure: a row of its results.
+# What the device says of a scene on a grid beside its gauge pressure: a row of its results. The
+# host adds what of a change the grids resolve.
 RESULT_DTYPE = np.dtype(
     [
         *((name, np.float64) for name in ("mean", "residual", "largest", "lowest")),
-        *((name, np.float64) for name in ("moment", "size")),
+        *((name, np.float64) for name in ("moment", "size", "resolved")),
         *((name, np.int64) for name in ("status", "newton_steps", "krylov_iterations")),
     ]
 )
@@ -99,19 +101,19 @@ class PeriodicStates:
         unknowns: p = P − 1 in units of the ambient pressure and the terms' own unknowns, shape
             (scenes, fields, nx, ny, nt), of one scene (fields, nx, ny, nt); without fields where
             the batch does not ask for them.
-        results: rows of what the device says of the scenes, RESULT_DTYPE.
+        result_rows: rows of what the device says of the scenes, RESULT_DTYPE.
     """
 
     grid: Grid
     unknowns: np.ndarray
-    results: np.ndarray
+    result_rows: np.ndarray
 
     def __getitem__(self, rows: Any) -> PeriodicStates:
-        return PeriodicStates(self.grid, self.unknowns[rows], self.results[rows])
+        return PeriodicStates(self.grid, self.unknowns[rows], self.result_rows[rows])
 
     def copy(self) -> PeriodicStates:
         """The same in memory of their own, for the arrays of a launch are used again."""
-        return PeriodicStates(self.grid, self.unknowns.copy(), self.results.copy())
+        return PeriodicStates(self.grid, self.unknowns.copy(), self.result_rows.copy())
 
     @property
     def gauge_pressure_ratio(self) -> np.ndarray:
@@ -119,14 +121,14 @@ class PeriodicStates:
         return self.unknowns[:, 0]
 
     @property
-    def mean(self) -> np.ndarray:
+    def mean_pressure_ratio(self) -> np.ndarray:
         """Mean of p over film and period, the force in units of p0 × area."""
-        return self.results["mean"]
+        return self.result_rows["mean"]
 
     @property
-    def status(self) -> np.ndarray:
+    def status_indices(self) -> np.ndarray:
         """Index into STATUS_TEXTS."""
-        return self.results["status"]
+        return self.result_rows["status"]
 
 
 @lru_cache(maxsize=256)
@@ -136,7 +138,7 @@ def _max_krylov_iterations(grid: Grid, terms: Terms) -> int:
     Where their vectors will stand, perhaps of single precision, there is room for four matrices in
     time (thermal_over_period.cl).
     """
-    room = MAX_WORKSPACE_BYTES // (8 * grid.count * unknown_field_count(terms)) - 8
+    room = MAX_WORKSPACE_BYTES // (8 * grid.unknown_count * unknown_field_count(terms)) - 8
     least = max(MIN_KRYLOV_ITERATIONS, -(-8 * (grid.nt + 1) // (grid.nx * grid.ny)))
     return max(min(room, MAX_KRYLOV_ITERATIONS), least)
 
@@ -153,7 +155,7 @@ def _grid_size_columns(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> 
     own = {term.NAME for term in terms}
     switched = [term.NAME for term in compiled if term.NAME in SWITCHABLE_TERM_NAMES]
     fields, flow_terms = unknown_field_count(terms), flow_term_count(terms)
-    largest = fields * max(grid.count for grid in grids)
+    largest = fields * max(grid.unknown_count for grid in grids)
     breaks_x = any("x" in term.SYMMETRY_BROKEN_AXES for term in terms)
     values = [
         (
@@ -180,44 +182,48 @@ class Batch:
     """Scenes on one grid after the other: the state on each is the first guess on the next.
 
     Attributes:
-        among, rows: some scenes, and which of these go together: all of one pad shape.
+        all_scenes, scene_rows: some scenes, and which of these go together: all of one pad shape.
         terms: those that all of them have.
         grids: each no coarser than the one before; the change to the last tells its error.
         tolerances: relative error of the force that the iteration may leave, on each grid.
-        guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny, nt); the
-            film at rest by default.
-        every: whether the states on all grids are asked for, and not that on the last alone.
-        edge: on a single grid, what a given pressure on the edge adds (terms/edge_pressure.py), by
-            the arrays' names, shape (scenes, nx, ny, nt) each; ``terms`` have EdgePressure then.
+        initial_guess: first guess of the state on the first grid, shape (scenes, fields, nx, ny,
+            nt); the film at rest by default.
+        returns_every_grid: whether the states on all grids are asked for, and not that on the last
+            alone.
+        edge_fields: on a single grid, what a given pressure on the edge adds
+            (terms/edge_pressure.py), by the arrays' names, shape (scenes, nx, ny, nt) each;
+            ``terms`` have EdgePressure then.
     """
 
     all_scenes: Scenes
-    rows: np.ndarray
+    scene_rows: np.ndarray
     terms: Terms
     grids: tuple[Grid, ...]
     tolerances: Sequence[float]
-    guess: np.ndarray | None = None
+    initial_guess: np.ndarray | None = None
     returns_every_grid: bool = True
     edge_fields: Mapping[str, np.ndarray] | None = None
 
     def __len__(self) -> int:
-        return len(self.rows)
+        return len(self.scene_rows)
 
     @cached_property
     def scenes(self) -> Scenes:
         """The scenes that go together; all of them themselves, for those know their numbers."""
-        whole = len(self) == len(self.all_scenes) and (self.rows == np.arange(len(self))).all()
-        return self.all_scenes if whole else self.all_scenes[self.rows]
+        whole = (
+            len(self) == len(self.all_scenes) and (self.scene_rows == np.arange(len(self))).all()
+        )
+        return self.all_scenes if whole else self.all_scenes[self.scene_rows]
 
     @property
     def aspect(self) -> float:
         """Aspect ratio of their pads."""
-        pad = self.all_scenes.films[self.all_scenes.film_index[self.rows[0]]].pad
+        pad = self.all_scenes.films[self.all_scenes.film_index[self.scene_rows[0]]].pad
         return pad.length_y_m / pad.length_x_m
 
     def __getitem__(self, part: slice | np.ndarray) -> Batch:
-        guess = None if self.guess is None else self.guess[part]
-        return replace(self, rows=self.rows[part], guess=guess)
+        guess = None if self.initial_guess is None else self.initial_guess[part]
+        return replace(self, scene_rows=self.scene_rows[part], initial_guess=guess)
 
     @classmethod
     def join_batches(cls, batches: Sequence[Batch]) -> Batch:
@@ -226,9 +232,13 @@ class Batch:
         if len(batches) == 1:
             return first
         guess = None
-        if first.guess is not None:
-            guess = np.concatenate([batch.guess for batch in batches])
-        return replace(first, rows=np.concatenate([batch.rows for batch in batches]), guess=guess)
+        if first.initial_guess is not None:
+            guess = np.concatenate([batch.initial_guess for batch in batches])
+        return replace(
+            first,
+            scene_rows=np.concatenate([batch.scene_rows for batch in batches]),
+            initial_guess=guess,
+        )
 
 
 @lru_cache(maxsize=256)
@@ -241,7 +251,7 @@ def _workspace_doubles(grid: Grid, terms: Terms, flow_terms: int, *, single: boo
     if grid.outline:
         matrices += 2 * grid.nx * grid.ny * max(grid.nx, grid.ny) + 32
     small = (most + 4) * (most + 1) + grid.nx * grid.ny
-    return grid.count * (own + linear + 2 * fields) + matrices + small
+    return grid.unknown_count * (own + linear + 2 * fields) + matrices + small
 
 
 def solve_batch(
@@ -272,9 +282,9 @@ def solve_batch(
     rows = np.arange(len(scenes))
     batch = Batch(scenes, rows, terms, (grid,), [tolerance], guess, edge_fields=edge)
     launched = launch([batch], device=device, most_newton=most_newton)
-    (((states,),)) = launched.states(device)
+    (((states,),)) = launched.wait_for_states(device)
     kept = states.copy()
-    device.release(*launched.pooled_arrays)
+    device.recycle_arrays(*launched.pooled_host_arrays)
     return kept
 
 
@@ -283,45 +293,53 @@ class Launch:
     """Batches that the device is solving, and their arrays, as periodic.cl describes them.
 
     Attributes:
-        kind: the rows' type.
-        results: room for what the device says of the scenes, and their first guesses. It begins
-            with what is said in rows; kernels read states in vectors.
+        row_dtype: the type of ``kernel_rows``.
+        host_results: room for what the device says of the scenes, and their first guesses. It
+            begins with what is said in rows; kernels read states in vectors.
         result_spans: RESULT_SPAN_DTYPE of each batch on each of its grids.
-        pooled_arrays: what ``values`` and ``results`` are the beginnings of, of the device's pool.
-        buffer: the device's of ``results``.
-        done: the kernel's event.
+        pooled_host_arrays: what ``input_values`` and ``host_results`` are the beginnings of, of the
+            device's pool.
+        results_buffer: the device's of ``host_results``.
+        kernel_event: the kernel's event.
     """
 
     batches: Sequence[Batch]
     first_row_indices: np.ndarray
     row_dtype: np.dtype[Any]
-    rows: np.ndarray
-    values: np.ndarray
-    results: np.ndarray
+    kernel_rows: np.ndarray
+    input_values: np.ndarray
+    host_results: np.ndarray
     result_spans: Sequence[np.ndarray]
-    pooled_arrays: Sequence[np.ndarray]
-    buffer: Any = None
-    done: Any = None
+    pooled_host_arrays: Sequence[np.ndarray]
+    results_buffer: Any = None
+    kernel_event: Any = None
 
-    def states(self, device: Device) -> list[list[PeriodicStates]]:
+    def wait_for_states(self, device: Device) -> list[list[PeriodicStates]]:
         """Wait for the device; the states of each batch on each of its grids."""
-        device.fetch_buffer(self.results, self.buffer, after=self.done)
+        device.fetch_buffer(self.host_results, self.results_buffer, after=self.kernel_event)
         numbers = RESULT_DTYPE.itemsize // 8
         rows_of_results = (
-            self.results[: len(self.rows) * numbers].reshape(-1, numbers).view(RESULT_DTYPE)[:, 0]
+            self.host_results[: len(self.kernel_rows) * numbers]
+            .reshape(-1, numbers)
+            .view(RESULT_DTYPE)[:, 0]
         )
         states: list[list[PeriodicStates]] = []
         first = 0
         for batch, spans in zip(self.batches, self.result_spans, strict=True):
             count, stages = len(batch.scenes), len(batch.grids)
             of_batch = []
+            mean_pressures: list[tuple[Grid, np.ndarray]] = []
             for stage, (grid, span) in enumerate(zip(batch.grids, spans.tolist(), strict=True)):
-                _, _, state, size = span
-                unknowns = self.results[state : state + count * size]
+                begin, means_size, state, size = span
+                unknowns = self.host_results[state : state + count * size]
                 of_scenes = rows_of_results[first + stage : first + count * stages : stages]
+                means = self.host_results[begin : begin + count * means_size]
+                mean_pressures.append((grid, means.reshape(count, grid.nx, grid.ny)))
                 of_batch.append(
                     PeriodicStates(grid, unknowns.reshape(count, -1, *grid.shape), of_scenes)
                 )
+            if stages > 1 and have_velocity_terms(batch.terms):
+                of_scenes["resolved"] = resolved_change(*mean_pressures[-2:])
             states.append(of_batch)
             first += count * stages
         return states
@@ -393,16 +411,16 @@ def launch(
     workspace_size = -(-max(sizes) // 8) * 8
     scenes = len(launched.first_row_indices) - 1
     groups = device.work_group_count(scenes, workspace_bytes=8 * workspace_size)
-    launched.buffer = device.shared_buffer(launched.results)
-    launched.done = run_kernel(
+    launched.results_buffer = device.shared_buffer(launched.host_results)
+    launched.kernel_event = run_kernel(
         device,
         periodic_state,
         np.int32(scenes),
         np.int32(most_newton),
         device.copy_to_buffer(launched.first_row_indices),
-        device.copy_to_buffer(launched.rows),
-        device.shared_buffer(launched.values),
-        launched.buffer,
+        device.copy_to_buffer(launched.kernel_rows),
+        device.shared_buffer(launched.input_values),
+        launched.results_buffer,
         device.copy_to_buffer(np.zeros(1, dtype=np.int32)),
         device.workspace_buffer(workspace_size * groups),
         np.uint64(workspace_size),
@@ -428,7 +446,7 @@ def _packed_launch(batches: Sequence[Batch], device: Device) -> Launch:
                 tuple(name for term in compiled for name in term.OPERATOR_NAMES),
                 np.array(ABSENT_INDEX),
             ),
-            _grid_size_columns(batch.grids, batch.terms, batch.guess is not None),
+            _grid_size_columns(batch.grids, batch.terms, batch.initial_guess is not None),
         ]
         for name in ("means", "state"):
             behind = np.multiply.outer(np.arange(len(batch)), of_batch[f"{name}_size"])
@@ -436,10 +454,10 @@ def _packed_launch(batches: Sequence[Batch], device: Device) -> Launch:
         for items, which in _arrays_of_batch(batch, numbers):
             begin = items.start_indices + size
             if which is not None:
-                begin = begin + (which * items.values.shape[1])[:, None, None]
-            columns.append((items.names, begin))
-            parts.append(items.values.ravel())
-            size += items.values.size
+                begin = begin + (which * items.packed_rows.shape[1])[:, None, None]
+            columns.append((items.array_names, begin))
+            parts.append(items.packed_rows.ravel())
+            size += items.packed_rows.size
         # A mass error w moves the pressure by w/H.
         tolerance = np.multiply.outer(batch.scenes.narrowest_gap_ratio, batch.tolerances)
         numbers = fill_absent_numbers(numbers, compiled)
@@ -450,9 +468,9 @@ def _packed_launch(batches: Sequence[Batch], device: Device) -> Launch:
     results, values = arrays[0][: end + PADDING_DOUBLES], arrays[1][: size + PADDING_DOUBLES]
     np.concatenate(parts, out=values[:size])
     for batch, of_batch in zip(batches, spans, strict=True):
-        if batch.guess is not None:
+        if batch.initial_guess is not None:
             state = int(of_batch["state"][0])
-            results[state : state + batch.guess.size] = batch.guess.ravel()
+            results[state : state + batch.initial_guess.size] = batch.initial_guess.ravel()
     table = rows[0] if len(rows) == 1 else np.concatenate(rows)
     return Launch(batches, begins, kind, table, values, results, spans, arrays)
 
@@ -462,9 +480,12 @@ def _result_spans(batch: Batch, end: int) -> tuple[np.ndarray, int]:
     spans = []
     for stage, grid in enumerate(batch.grids):
         # A first guess lies where the state comes back.
-        guess = stage == 0 and batch.guess is not None
+        guess = stage == 0 and batch.initial_guess is not None
         returns = batch.returns_every_grid or guess or grid is batch.grids[-1]
-        means, state = grid.nx * grid.ny, unknown_field_count(batch.terms) * grid.count * returns
+        means, state = (
+            grid.nx * grid.ny,
+            unknown_field_count(batch.terms) * grid.unknown_count * returns,
+        )
         # States begin where kernels can read four numbers at once.
         behind = -(-(end + len(batch.scenes) * means) // 4) * 4
         spans.append((end, means, behind if returns else ABSENT_INDEX, state))
@@ -523,7 +544,7 @@ def _program_header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
             *(f"#define HAS_{term.NAME}" for term in terms),
             c_struct("Row", row),
             c_struct("Said", RESULT_DTYPE),
-            f"enum {{ {', '.join(STATUS_OF_KERNEL_ENDING)} }};",
+            f"enum {{ {', '.join(STATUS_OF_ENDING_NAME)} }};",
             c_hook_calls(terms),
         ]
     )

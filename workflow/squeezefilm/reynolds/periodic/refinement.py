@@ -15,7 +15,7 @@ from squeezefilm.reynolds.error_estimate import estimate_errors, too_large_error
 from squeezefilm.reynolds.grid import Grid, krylov_iteration_flops
 from squeezefilm.reynolds.periodic.launch import (
     MAX_OPERATIONS,
-    STATUS_OF_KERNEL_ENDING,
+    STATUS_OF_ENDING_NAME,
     STATUS_TEXTS,
     Batch,
     Launch,
@@ -59,7 +59,7 @@ DEVICE_MEMORY_DIVISOR = 4
 MAX_NEWTON_FAILURES = 3
 # Iterations that a state takes at least on a first grid.
 MIN_FIRST_GRID_ITERATIONS = 4
-WORK_LIMIT_STATUS = STATUS_OF_KERNEL_ENDING["OVER_LIMIT"]
+WORK_LIMIT_STATUS = STATUS_OF_ENDING_NAME["OVER_LIMIT"]
 # What becomes of a scene after a launch: its force is good, it goes on, or it ends without one.
 (
     OUTCOME_ACCEPTED,
@@ -91,7 +91,7 @@ class Refinement:
     newton_failures: np.ndarray
     queued_batches: dict[object, list[Batch]] = field(default_factory=dict)
 
-    def wait(
+    def queue_scenes(
         self,
         rows: np.ndarray,
         terms: Terms,
@@ -130,7 +130,7 @@ class Refinement:
         scenes, size = 0, 0
         for key in sorted(self.queued_batches, key=lambda key: -krylov_iteration_flops(key[0][-1])):  # type: ignore[index]
             batch = Batch.join_batches(self.queued_batches[key])
-            scene_bytes = 8 * sum([grid.count for grid in batch.grids])
+            scene_bytes = 8 * sum([grid.unknown_count for grid in batch.grids])
             room = max((MAX_LAUNCH_STATE_BYTES - size) // scene_bytes, 0 if chosen else 1)
             count = min(most - scenes, room, len(batch))
             if count <= 0 or (
@@ -154,12 +154,12 @@ class Refinement:
 
         The others wait for finer grids. Returns how many are finished.
         """
-        rows, terms, grids, solutions = batch.rows, batch.terms, batch.grids, self.solutions
+        rows, terms, grids, solutions = batch.scene_rows, batch.terms, batch.grids, self.solutions
         at: Rows = slice(None) if batch.scenes is self.plan.scenes else rows
         last, grid, finer = stages[-1], grids[-1], finer_grid(grids[-1], capacity=self.max_unknowns)
-        nodes = tuple(each.across for each in (grids[0], *grids)[-2:])
+        nodes = tuple(each.nodes_across for each in (grids[0], *grids)[-2:])
         error, allowed, change = estimate_errors(
-            last.results,
+            last.result_rows,
             self.last_pressure_change[:, at],
             scenes=batch.scenes,
             terms=terms,
@@ -170,21 +170,24 @@ class Refinement:
         if len(grids) == 1:  # a single grid tells no error
             error[:], change[:] = np.inf, np.nan
         for states in stages:
-            newton, krylov = states.results["newton_steps"], states.results["krylov_iterations"]
+            newton, krylov = (
+                states.result_rows["newton_steps"],
+                states.result_rows["krylov_iterations"],
+            )
             solutions.newton_steps[at] += newton
             solutions.krylov_iterations[at] += krylov
             solutions.operation_count[at] += krylov_iteration_flops(states.grid, terms) * (
                 newton + krylov
             )
-        solutions.residual[at] = last.results["residual"]
+        solutions.residual[at] = last.result_rows["residual"]
         self.write_grid_sizes(at, grid)
 
         # A finer grid takes about as many iterations as the last one did.
         next_work = krylov_iteration_flops(finer, terms) * (newton + krylov) if finer else 0.0
         too_dear = solutions.operation_count[at] + next_work > MAX_OPERATIONS
-        no_state = last.status != 0
-        unknown = np.logical_or.reduce([states.status != 0 for states in stages[-2:]])
-        negative = ~(last.results["lowest"] > 0)
+        no_state = last.status_indices != 0
+        unknown = np.logical_or.reduce([states.status_indices != 0 for states in stages[-2:]])
+        negative = ~(last.result_rows["lowest"] > 0)
         outcome = np.where(error <= allowed, OUTCOME_ACCEPTED, OUTCOME_REFINED)
         if unknown.any() or negative.any():
             # What no coarser grid describes, a finer one may.
@@ -202,7 +205,7 @@ class Refinement:
         accepted = np.flatnonzero(outcome == OUTCOME_ACCEPTED)
         scale_n = batch.scenes.force_scale_n
         solutions.status[rows[accepted]] = "ok"
-        solutions.force_n[rows[accepted]] = (last.results["mean"] * scale_n)[accepted]
+        solutions.force_n[rows[accepted]] = (last.result_rows["mean"] * scale_n)[accepted]
         solutions.force_error_n[rows[accepted]] = (error * scale_n)[accepted]
         for k in accepted.tolist() if self.keep_states else ():
             solutions.states[rows[k]] = tuple(states[k].copy() for states in stages[-2:])
@@ -212,10 +215,10 @@ class Refinement:
         begun_again = rows[outcome == OUTCOME_RESTARTED]
         if finer and (finest := finer_grid(finer, capacity=self.max_unknowns)) and len(begun_again):
             self.newton_failures[begun_again] += 1
-            self.wait(begun_again, terms, (finer, finest))
+            self.queue_scenes(begun_again, terms, (finer, finest))
         refined = outcome == OUTCOME_REFINED
         if finer and refined.any():
-            self.wait(rows[refined], terms, (grid, finer), last.unknowns[refined])
+            self.queue_scenes(rows[refined], terms, (grid, finer), last.unknowns[refined])
         self._write_failure_reasons(batch, stages, outcome, error=error, allowed=allowed)
         return len(rows) - len(begun_again) - int(np.count_nonzero(refined))
 
@@ -225,7 +228,7 @@ class Refinement:
         finest = finer_grid(finer, capacity=self.max_unknowns) if finer else None
         if finest is None or have_velocity_terms(batch.terms):
             return False
-        return self.newton_failures[batch.rows] < MAX_NEWTON_FAILURES
+        return self.newton_failures[batch.scene_rows] < MAX_NEWTON_FAILURES
 
     def _write_failure_reasons(
         self,
@@ -237,16 +240,16 @@ class Refinement:
         allowed: np.ndarray,
     ) -> None:
         """Write why scenes end without a force."""
-        rows, grid, status = batch.rows, batch.grids[-1], self.solutions.status
+        rows, grid, status = batch.scene_rows, batch.grids[-1], self.solutions.status
         for states in stages[-2:]:  # of two that failed the last one's reason counts
-            failed = (outcome == OUTCOME_NO_STATE) & (states.status != 0)
+            failed = (outcome == OUTCOME_NO_STATE) & (states.status_indices != 0)
             for k in np.flatnonzero(failed).tolist():
-                ending = STATUS_TEXTS[states.status[k]]
+                ending = STATUS_TEXTS[states.status_indices[k]]
                 advice = fewer_operations_hint(batch.terms) if ending == WORK_LIMIT_STATUS else ""
                 status[rows[k]] = f"{ending} ({_grid_text(states.grid)}){advice}"
         before = stages[-2:][0]
         self.write_grid_sizes(
-            rows[(outcome == OUTCOME_NO_STATE) & (before.status != 0)], before.grid
+            rows[(outcome == OUTCOME_NO_STATE) & (before.status_indices != 0)], before.grid
         )
         for row in rows[outcome == OUTCOME_NEGATIVE_PRESSURE]:
             status[row] = (
@@ -260,13 +263,15 @@ class Refinement:
             limit, advice = "on the finest grid", ""
         reason = f"not converged: tolerance not reached {limit} ({_grid_text(grid)})"
         for k in np.flatnonzero(outcome == OUTCOME_GRIDS_EXHAUSTED).tolist():
-            text = too_large_error_text(error[k], allowed=allowed[k], force=stages[-1].mean[k])
+            text = too_large_error_text(
+                error[k], allowed=allowed[k], force=stages[-1].mean_pressure_ratio[k]
+            )
             status[rows[k]] = f"{reason}: {text}{advice}"
 
     def write_grid_sizes(self, rows: Rows, grid: Grid) -> None:
         """The grid that scenes have come to."""
         self.solutions.domain[rows] = self.plan.domain[rows]
-        self.solutions.nx[rows], self.solutions.ny[rows] = grid.across
+        self.solutions.nx[rows], self.solutions.ny[rows] = grid.nodes_across
         self.solutions.nt[rows] = grid.nt
 
 
@@ -300,7 +305,7 @@ def solve_periodic(
         plan, rows, tolerance=tolerance, capacity=room, kept=keep_states
     ):
         if MIN_FIRST_GRID_ITERATIONS * krylov_iteration_flops(grids[-1], terms) <= MAX_OPERATIONS:
-            refinement.wait(alike, terms, grids)
+            refinement.queue_scenes(alike, terms, grids)
             continue
         refinement.write_grid_sizes(alike, grids[-1])
         reason = f"{WORK_LIMIT_STATUS} ({_grid_text(grids[-1])}){fewer_operations_hint(terms)}"
@@ -314,14 +319,14 @@ def solve_periodic(
                 flying.append(launch(refinement.next_launch_batches(most=size), device=device))
             landing = flying.popleft()
             progress.current_step = _grid_text(landing.batches[0].grids[-1])
-            landed = zip(landing.batches, landing.states(device), strict=True)
+            landed = zip(landing.batches, landing.wait_for_states(device), strict=True)
             finished = sum(
                 refinement.accept_or_refine(*finished_launch) for finished_launch in landed
             )
             progress.update(finished)
             report(finished)
             # Other launches may have the arrays, as no one looks at the states any more.
-            device.release(*landing.pooled_arrays)
+            device.recycle_arrays(*landing.pooled_host_arrays)
 
 
 def fewer_operations_hint(terms: Terms) -> str:
@@ -331,5 +336,5 @@ def fewer_operations_hint(terms: Terms) -> str:
 
 
 def _grid_text(grid: Grid) -> str:
-    across, along = grid.across
+    across, along = grid.nodes_across
     return f"{across} × {along} × {grid.nt} points"

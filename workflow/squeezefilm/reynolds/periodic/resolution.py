@@ -121,7 +121,7 @@ def nodes_for_profile(plan: SolvePlan, *, tolerance: float) -> np.ndarray:
     """Least nodes along x and y that resolve the profile, (n, 2)."""
     missed = allowed_profile_error(tolerance)
     return plan.compute_cached(
-        "nodes", lambda missed: plan.profile_resolution(missed).nodes(missed), missed
+        "nodes", lambda missed: plan.profile_resolution(missed).needed_nodes(missed), missed
     )
 
 
@@ -140,7 +140,7 @@ def unresolved_profile_reasons(plan: SolvePlan, *, tolerance: float) -> dict[int
 def _unresolved_reason(plan: SolvePlan, row: int, missed: float, missed_fraction: float) -> str:
     if not missed < inf:
         return "the profile has no finite value at some place under the pad"
-    ((_, sampled, _),) = solve_plan_of(plan.scenes[row]).profiles
+    ((_, sampled, _),) = solve_plan_of(plan.scenes[row]).sampled_profiles_by_film
     pad = sampled.places.pad_profile.pad
     side_m = max(pad.length_x_m, pad.length_y_m)
     apart_m = pi / 2 * side_m / (MAX_NODES_ACROSS + 1)
@@ -293,7 +293,7 @@ def start_grid(grid: Grid, step: int) -> Grid | None:
         ny=_start_grid_points(grid.ny, step, fold=grid.fold_y),
         nt=max(MIN_TIME_POINTS, 4 * ceil(START_GRID_POINTS_FRACTION * grid.nt / 4)),
     )
-    return start if start.count < 0.5 * grid.count else None
+    return start if start.unknown_count < 0.5 * grid.unknown_count else None
 
 
 def _resized_grid(grid: Grid, *, nx: int, ny: int, nt: int) -> Grid:
@@ -358,7 +358,7 @@ def finer_grid(
         or finer.nt > MAX_TIME_POINTS
     ):
         return None
-    return finer if finer.count <= capacity else None
+    return finer if finer.unknown_count <= capacity else None
 
 
 def _nodes_to_add(points: int, step: int, *, fold: bool) -> int:
@@ -372,10 +372,10 @@ def effective_gap_parameters(scenes: Scenes) -> tuple[np.ndarray, np.ndarray, np
 
     A gap that is shaped at rest is as hard as its narrowest place, and as closed, everywhere.
     """
-    if scenes.flat:
+    if scenes.is_flat:
         return scenes.epsilon, scenes.sigma, 0.0
-    flat = scenes.column(lambda film: film.pad.gap.flat)
-    crown_m = scenes.column(lambda film: abs(film.pad.gap.crown_m))
+    flat = scenes.film_value_column(lambda film: film.pad.gap.flat)
+    crown_m = scenes.film_value_column(lambda film: abs(film.pad.gap.crown_m))
     bend = (
         8
         * crown_m

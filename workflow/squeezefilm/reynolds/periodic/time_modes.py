@@ -114,7 +114,7 @@ def _time_modes(
     which the gas has inertia; in the others it follows the pressure at once. Which they are, the
     next grid tells, where there are more.
     """
-    rate, nodes = cached_time_axis(instants).derivative, cached_time_axis(instants).nodes
+    rate, nodes = cached_time_axis(instants).derivative_matrix, cached_time_axis(instants).nodes
     mean_gap = (
         1
         + GAP_VARIATION_STEP * variation * np.sin(nodes)

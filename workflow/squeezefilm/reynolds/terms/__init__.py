@@ -164,7 +164,9 @@ def flow_term_count(terms: Terms) -> int:
 
 def preconditioner_count(terms: Terms) -> int:
     """Preconditioners that share the rows of the linear system; 0 if there is one for all."""
-    return max((term.parts for term in terms if isinstance(term, NonuniformGap)), default=0)
+    return max(
+        (term.preconditioner_count for term in terms if isinstance(term, NonuniformGap)), default=0
+    )
 
 
 def work_field_count(terms: Terms, *, single: bool = False) -> int:

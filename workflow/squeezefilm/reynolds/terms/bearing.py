@@ -35,7 +35,7 @@ class Bearing(Term):
 
     def matrices(self, grid: Grid, *, aspect: float) -> NamedArrays:
         if grid.outline is None:
-            return {"derivative_x": grid.x.derivative[1:-1, 1:-1]}
+            return {"derivative_x": grid.x.derivative_matrix[1:-1, 1:-1]}
         along, turn = (
             flux_matrices(grid, aspect=aspect),
             np.asarray(grid.conformal_map_slope(grid.x.nodes)),
@@ -58,7 +58,7 @@ class Bearing(Term):
             return {}
         from scipy.linalg import schur
 
-        scale, first = np.sqrt(grid.nx), grid.x.derivative[1:-1, 1:-1]
+        scale, first = np.sqrt(grid.nx), grid.x.derivative_matrix[1:-1, 1:-1]
         vectors, inverse, triangle = np.empty((3, len(numbers), grid.nx, grid.nx))
         ambient = flow_to_viscous_ratio(numbers, np.ones(len(numbers)))
         for k, (speed, flow) in enumerate(zip(numbers["bearing"], ambient, strict=True)):

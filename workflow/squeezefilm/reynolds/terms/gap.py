@@ -36,11 +36,11 @@ class NonuniformGap(Term):
     for each metre that it is wider than h0; of its preconditioners where it is shaped at rest.
 
     Attributes:
-        parts: preconditioners that each take a part of the linear system's rows; 0 where one has
-            all of them.
+        preconditioner_count: preconditioners that each take a part of the linear system's rows; 0
+            where one has all of them.
     """
 
-    parts: int = 0
+    preconditioner_count: int = 0
 
     NAME = "any_gap"
     KERNEL_FILE = "terms/gap_over_period.cl"
@@ -72,7 +72,11 @@ class NonuniformGap(Term):
             "narrowest": scenes.narrowest_gap_ratio,
             "per_rise": 1 / scenes.h0_m,
         }
-        return {**numbers, **_preconditioner_numbers(scenes, self.parts)} if self.parts else numbers
+        return (
+            {**numbers, **_preconditioner_numbers(scenes, self.preconditioner_count)}
+            if self.preconditioner_count
+            else numbers
+        )
 
 
 def _preconditioner_numbers(scenes: Scenes, count: int) -> NamedNumbers:

@@ -74,8 +74,8 @@ class VelocityTerm(Term):
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> NamedArrays:
         along_x, along_y = _flux_points_of_grid(grid)
         return {
-            "flux_amplitude_x": along_x.matrix_from_all_nodes @ parts[..., grid.y.inner],
-            "flux_amplitude_y": parts[:, :, grid.x.inner] @ along_y.matrix_from_all_nodes.T,
+            "flux_amplitude_x": along_x.matrix_from_all_nodes @ parts[..., grid.y.inner_slice],
+            "flux_amplitude_y": parts[:, :, grid.x.inner_slice] @ along_y.matrix_from_all_nodes.T,
         }
 
     def unsupported_on_grid_reason(self, scene: Scene) -> str:
@@ -110,11 +110,13 @@ class Inertia(VelocityTerm):
     def equation_numbers(self, scene: OperatingPoints) -> NamedNumbers:
         reynolds = scene.modified_reynolds
         lag = LAG_PER_REYNOLDS * reynolds
-        steep = np.maximum(wave_steepness(scene), TINY_DENOMINATOR)
+        steep = np.maximum(wave_mach_estimate(scene), TINY_DENOMINATOR)
         slow = MIN_LAGGING_HARMONICS_FRACTION * np.maximum(1.0, STEEP_WAVES_STEEPNESS / steep) ** 3
         thinness = np.maximum(scene.sigma**0.5, MIN_ROOT_SIGMA)
         # Waves travel at 1/√(lag σ), in units of the pad's length times ω.
-        waves = (lag * scene.sigma) ** 0.5 * (1 + COUNTERFLOW_WAVE_FACTOR * wave_steepness(scene))
+        waves = (lag * scene.sigma) ** 0.5 * (
+            1 + COUNTERFLOW_WAVE_FACTOR * wave_mach_estimate(scene)
+        )
         return {
             "reynolds": reynolds,
             "lag": lag,
@@ -128,11 +130,11 @@ class Inertia(VelocityTerm):
         }
 
     def layer_sigma_factor(self, scene: OperatingPoints, *, sigma: Any) -> Any:
-        layered = (sigma > THIN_LAYER_SIGMA) | (wave_steepness(scene) > STIFF_WAVE_STEEPNESS)
+        layered = (sigma > THIN_LAYER_SIGMA) | (wave_mach_estimate(scene) > STIFF_WAVE_STEEPNESS)
         least = np.where(layered, THIN_LAYER_SIGMA_FACTOR, 1.0)
         reynolds = scene.modified_reynolds
         short = LAG_PER_REYNOLDS * reynolds * sigma > SHORT_WAVE_NUMBER**2
-        wavy = short & (wave_steepness(scene) < STEEP_WAVES_STEEPNESS)
+        wavy = short & (wave_mach_estimate(scene) < STEEP_WAVES_STEEPNESS)
         waves = np.where(wavy, (WAVE_LAYER_FACTOR * scene.epsilon * reynolds) ** 4, 0.0)
         return np.clip(waves, least, MAX_LAYER_SIGMA_FACTOR)
 
@@ -143,7 +145,7 @@ class Inertia(VelocityTerm):
         }
 
 
-def wave_steepness(scene: OperatingPoints) -> Any:
+def wave_mach_estimate(scene: OperatingPoints) -> Any:
     """Steepness of waves: a velocity in a thick film over the speed of sound, roughly."""
     return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
 
@@ -187,7 +189,7 @@ def _coordinate_curvatures(grid: Grid) -> list[NamedArrays]:
     points = (FluxPoints(grid.x).all_points[: grid.nx], -1.0), (grid.x.nodes, -1j)
     return [
         {
-            "over_area": 1 / np.asarray(grid.area(at)),
+            "over_area": 1 / np.asarray(grid.area_ratio_at(at)),
             "bend": np.real(part * grid.conformal_map_log_slope(at)),
         }
         for at, part in points

@@ -42,9 +42,9 @@ class SmoothOutline(Term):
     @classmethod
     def note(cls, scene: Scene) -> str:
         contour = scene.pad.contour
-        if contour is None or contour.scatter < EXACT_OUTLINE_TOLERANCE:
+        if contour is None or contour.point_scatter < EXACT_OUTLINE_TOLERANCE:
             return ""
-        off_um = contour.scatter * scene.pad.length_x_m * 1e6
+        off_um = contour.point_scatter * scene.pad.length_x_m * 1e6
         return (
             f"the outline's points lie up to {off_um:.2g} µm off it: what that leaves open of the "
             "force is not in its error"
@@ -57,16 +57,19 @@ class SmoothOutline(Term):
         modes of D Δ − σ α A ∂/∂T along the other one are those of (∂² + λ)/α, whatever D and A. The
         axis is that along which J varies less.
         """
-        outline, area = grid.outline, np.asarray(grid.area(grid.x.nodes))
+        outline, area = grid.outline, np.asarray(grid.area_ratio_at(grid.x.nodes))
         assert outline
         x, y = grid.x, grid.y
-        (length_x, length_y), weights = grid.axis_lengths(aspect), x.weights / x.weights.sum()
+        (length_x, length_y), weights = (
+            grid.axis_lengths(aspect),
+            x.quadrature_weights / x.quadrature_weights.sum(),
+        )
         second = x.second_derivative / length_x**2, y.second_derivative_parts / length_y**2
         if outline.jacobian_varies_more_with_nu:
-            mean, own, weights = weights @ area, second[1], y.weights
+            mean, own, weights = weights @ area, second[1], y.quadrature_weights
             others = x.even_odd_modes[0] / length_x**2
         else:
-            mean, own, weights = area @ y.weights, second[0], x.weights
+            mean, own, weights = area @ y.quadrature_weights, second[0], x.quadrature_weights
             others = y.even_odd_modes[0] / length_y**2
         operators = own + others[:, None, None] * np.eye(len(own))
         if outline.jacobian_varies_more_with_nu:

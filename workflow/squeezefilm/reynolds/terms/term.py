@@ -38,12 +38,12 @@ class AbsentTerm:
 
     Attributes:
         name: of the term.
-        why: reason of its absence.
+        absence_reason: why the equation does not have it.
         assumption: what the equation assumes without a term; empty where that is said elsewhere.
     """
 
     name: str
-    reason: str
+    absence_reason: str
     assumption: str = ""
 
 
@@ -54,9 +54,10 @@ class Term:
     Attributes:
         label: what tables and ``simulate --dry-run`` call it.
         ABSENT_TERM: name and reason for a scene that does not have it, if they are shown.
-        BREAKS: the axes, of "xy", about whose middle the film is not even because of it.
+        SYMMETRY_BROKEN_AXES: the axes, of "xy", about whose middle the film is not even because of
+            it.
         KERNEL_FILE: OpenCL source of its lines for the periodic state.
-        KERNEL_HOOK_PARAMETERS: those of KERNEL_HOOK_PARAMETERS that this source fills, by functions
+        KERNEL_HOOKS: those of KERNEL_HOOK_PARAMETERS that this source fills, by functions
             ``HOOK_NAME``.
         SUPPORTS_SINGLE_PRECISION: whether its lines in the linear system work in single precision
             too.
@@ -66,7 +67,7 @@ class Term:
             in fields of the linear system.
         SPACE_MATRIX_PRODUCT_COUNT, TIME_MATRIX_PRODUCT_COUNT: products along each of x and y, and
             in time, that its lines add to a Krylov iteration.
-        CARRYING: names of the matrices that carry its unknowns from grid to grid.
+        INTERPOLATION_MATRIX_NAMES: names of the matrices that carry its unknowns from grid to grid.
         OPERATOR_NAMES, EQUATION_NUMBER_WIDTHS: names of what ``scene_operators`` and
             ``equation_numbers`` have that films without it lack in a program which has the term
             (``compiled_terms``); how many numbers, 0 for one.

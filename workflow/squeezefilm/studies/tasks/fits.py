@@ -122,7 +122,9 @@ def fit_to_forces(
     if len(factors) >= len(model.parameter_names):
         check_identifiable(model, factors)
     if seeds is None:
-        seeds = settings.seeds.two_factor if model.is_centred else settings.seeds.four_factor
+        seeds = (
+            settings.seeds.two_factor if model.is_for_centred_pad else settings.seeds.four_factor
+        )
     first = settings.first_seed
     searches = [
         *((run_genetic_searches, first + number) for number in range(seeds)),

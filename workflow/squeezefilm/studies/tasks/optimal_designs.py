@@ -60,7 +60,7 @@ class FittedSpace:
         lower = [parameter.theta_lower for parameter in ranges if np.isfinite(parameter.lower)]
         upper = [parameter.theta_upper for parameter in ranges if np.isfinite(parameter.upper)]
         self.thetas = np.array([theta, *lower, *upper])
-        self.space = space_of_study(config, centred=self.model.is_centred)
+        self.space = space_of_study(config, centred=self.model.is_for_centred_pad)
         self.coordinates = coordinate_function("scene", self.space)
         most = config.optimal.candidates
         self.grid = self.space.grid(most, distinct=True)
@@ -74,7 +74,7 @@ class FittedSpace:
         factors = factors_of_table(with_limit_forces(self.model, table, self.config))
         return np.array([self.model.gradient(theta, factors) for theta in thetas])
 
-    def outside(self, points: np.ndarray) -> np.ndarray:
+    def outside_mask(self, points: np.ndarray) -> np.ndarray:
         """Mask of the points, shape (n, k), that lie outside the ranges, shape (n,)."""
         return np.any(np.abs(self.space.to_unit(points) - 0.5) > 0.5 + RANGE_TOLERANCE, axis=1)
 
@@ -171,7 +171,7 @@ def efficiency_table(
         derivatives = fitted.derivatives(points, every=True)
         logs = log_determinant(derivatives, weights)
         efficiency = np.exp((logs - best) / fitted.thetas.shape[1])
-        if not fitted.outside(points).any():
+        if not fitted.outside_mask(points).any():
             efficiency = np.minimum(efficiency, 1.0)  # the grid is a little worse than the space
         level = sensitivity(derivatives[0], reference, weights=weights)
         by_local = float(efficiency[0]) * (local.efficiency_bound or 0.0)
@@ -201,7 +201,7 @@ def _design_notes(
                 f"{parameters} parameters of {fitted.model.name}; give {parameters} or more"
             )
     if existing is not None:
-        outside = fitted.outside(points_of_table(existing, fitted.space))
+        outside = fitted.outside_mask(points_of_table(existing, fitted.space))
         points = existing.loc[outside, "point_id"].tolist()
         if points:
             ids = ", ".join(points[:MAX_NAMED_POINTS]) + ", …" * (len(points) > MAX_NAMED_POINTS)

@@ -72,10 +72,12 @@ def with_asymptotic_forces(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.D
             tolerance=LIMIT_TOLERANCE_WITH_INERTIA if inertia else LIMIT_TOLERANCE,
             layers=expand is composite_expansion,
         )
-        found = found[np.isfinite(found.error)]
-        columns[column][found.rows] = found.mean * scale_n[found.rows]
+        found = found[np.isfinite(found.pressure_ratio_error)]
+        columns[column][found.scene_rows] = found.mean_pressure_ratio * scale_n[found.scene_rows]
         if column == "limit_n":
-            columns["limit_error_n"][found.rows] = found.error * scale_n[found.rows]
+            columns["limit_error_n"][found.scene_rows] = (
+                found.pressure_ratio_error * scale_n[found.scene_rows]
+            )
     status = [
         "ok" if known else underived.get(row, EXPANSION_INVALID_STATUS)
         for row, known in enumerate(np.isfinite(columns["limit_n"]))

@@ -39,7 +39,7 @@ REFINEMENT_TABLE_NAMES = ("rounds", "forces", "limits", "where")
 """What a refinement leaves as tables."""
 
 
-class SimulatedSpace:
+class PlanSimulator:
     """The points of a study that the loop knows of, and the means to simulate them."""
 
     def __init__(self, config: Study, *, centred: bool) -> None:
@@ -67,12 +67,12 @@ class SimulatedSpace:
         scenes = settings.with_auto_terms_decided(self.scenes[points])
         forces = solve(scenes, **settings.solve_arguments).to_frame(pd.Index(points))
         for point, status in forces["status"][forces["status"] != "ok"].items():
-            (factors,) = self.rows(self.table, [point], FACTOR_COLUMNS).to_dict("records")
+            (factors,) = self.point_rows(self.table, [point], FACTOR_COLUMNS).to_dict("records")
             raise RunError(f"no force at {factors}: {status}")
         self.solved = pd.concat([self.solved, forces])
         return forces["force_n"].to_numpy(), forces["force_error_n"].to_numpy()
 
-    def rows(self, table: pd.DataFrame, points: Any, columns: Sequence[str]) -> pd.DataFrame:
+    def point_rows(self, table: pd.DataFrame, points: Any, columns: Sequence[str]) -> pd.DataFrame:
         """Columns of points in one of the tables, in the form that positions have there."""
         return table.loc[points, columns_in_table_form(columns, table)].reset_index(drop=True)
 
@@ -95,7 +95,7 @@ def refine(
     Raises InputError where the section allows too few simulations to begin with, and RunError for a
     scene that has no force.
     """
-    simulated, settings = SimulatedSpace(config, centred=space == "two_factor"), config.refine
+    simulated, settings = PlanSimulator(config, centred=space == "two_factor"), config.refine
     pool, about = simulated.pool, {"model": model.name, "space": space}
     try:
         check_columns_known(model, pool.factors)
@@ -128,8 +128,8 @@ def refine(
     )
     tables = {
         "rounds": _rounds_table(outcome, model, simulated),
-        "forces": simulated.rows(forces, points, FORCE_COLUMNS),
-        "limits": simulated.rows(known, points, ASYMPTOTIC_FORCE_COLUMNS),
+        "forces": simulated.point_rows(forces, points, FORCE_COLUMNS),
+        "limits": simulated.point_rows(known, points, ASYMPTOTIC_FORCE_COLUMNS),
         "where": where,
     }
     verdict = about | {
@@ -168,7 +168,7 @@ def _purpose_labels(outcome: Outcome, checks: int) -> list[str]:
 
 
 def _error_map(
-    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome
+    model: ExpressionModel, space: PlanSimulator, outcome: Outcome
 ) -> tuple[pd.DataFrame, str]:
     """The error of the best fit over the space: candidates, then the fair sample.
 
@@ -193,24 +193,24 @@ def _error_map(
         surface = RBFInterpolator(at[points], seen, kernel="linear", degree=degree)
         error, source = surface(at[rows]), "interpolation"
     layer = np.where(np.isin(rows, pool.candidates), "candidate", "sample")
-    where = space.rows(space.table, rows, FACTOR_COLUMNS)
+    where = space.point_rows(space.table, rows, FACTOR_COLUMNS)
     return where.assign(layer=layer, error_n=error), source
 
 
-def _rounds_table(outcome: Outcome, model: ExpressionModel, space: SimulatedSpace) -> pd.DataFrame:
+def _rounds_table(outcome: Outcome, model: ExpressionModel, space: PlanSimulator) -> pd.DataFrame:
     rounds = pd.DataFrame([vars(each) for each in outcome.rounds])
     rounds["design"] = rounds["design"].map(len)
     rounds = rounds.rename(columns={"number": "round", "design": "fitted_points"})
-    worst = space.rows(space.table, rounds.pop("worst_error_index"), FACTOR_COLUMNS).add_prefix(
-        "worst_"
-    )
+    worst = space.point_rows(
+        space.table, rounds.pop("worst_error_index"), FACTOR_COLUMNS
+    ).add_prefix("worst_")
     theta = pd.DataFrame(rounds.pop("theta").tolist(), columns=list(model.parameter_names))
     estimated, fractions = rounds.loc[:, :"worst_error"], rounds.loc[:, "parameter_fraction":]
     return pd.concat([estimated, worst, fractions, theta.add_prefix("parameter_")], axis=1)
 
 
 def _fit_values(
-    model: ExpressionModel, space: SimulatedSpace, outcome: Outcome, *, uncertainty: float
+    model: ExpressionModel, space: PlanSimulator, outcome: Outcome, *, uncertainty: float
 ) -> dict[str, Any]:
     """The last fit as its file tells it."""
     last = outcome.rounds[-1]

@@ -30,7 +30,7 @@ def fig07(results: Results) -> tuple[Figure, pd.DataFrame]:
 def fig13(results: Results) -> tuple[Figure, pd.DataFrame]:
     """The model fitted to the design (mesh, black dots) and the control points (white dots)."""
     fit = results.fit("two_factor_design")
-    errors = parts.error_note(results, "two_factor_design", "screen")
+    errors = parts.fit_error_note(results, "two_factor_design", "screen")
     note = f"Fit on {fit.points} points; on {errors}."
     plans = {"control": "screen", "design": "two_factor_design"}
     return model_and_points_figure(results, fit, note, **plans)
@@ -55,7 +55,7 @@ def fig14(results: Results) -> tuple[Figure, pd.DataFrame]:
         columnspacing=0.8,
         handletextpad=0.4,
     )
-    notes = [f"{titles[fit]}, on {parts.error_note(results, fit, 'screen')}." for fit in titles]
+    notes = [f"{titles[fit]}, on {parts.fit_error_note(results, fit, 'screen')}." for fit in titles]
     style.add_note(
         figure, *notes, simulation_error_note(results.forces("screen")), results.validity_note
     )

@@ -110,7 +110,7 @@ def _fit_for_explorer(name: str, fit: FittedModel, plan: str, *, best: bool) -> 
         + ", best" * best,
         "plan": plan,
         "factors": list(model.factor_names),
-        "moves": not model.is_centred,
+        "moves": not model.is_for_centred_pad,
         "interval": None
         if fit.prediction_interval is None
         else fit.prediction_interval.model_dump(mode="json"),

@@ -28,15 +28,15 @@ class DrawnResult:
     """A column that is drawn, those of errors of which a bar is the sum, and its factors.
 
     Attributes:
-        bounds: columns of the lower and the upper bound of its modelling error.
+        modelling_error_columns: columns of the lower and the upper bound of its modelling error.
         lower_panel_columns: columns that are drawn in panels below, where the table has values of
             them.
     """
 
-    column: str
-    errors: tuple[str, ...]
-    factors: tuple[str, ...]
-    bounds: tuple[str, ...] = ()
+    result_column: str
+    error_columns: tuple[str, ...]
+    factor_columns: tuple[str, ...]
+    modelling_error_columns: tuple[str, ...] = ()
     lower_panel_columns: tuple[str, ...] = ()
 
 
@@ -72,17 +72,20 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     result = next(
         (DRAWN_RESULT_OF_COLUMN[name] for name in DRAWN_RESULT_OF_COLUMN if name in table), None
     )
-    if result is None or result.column not in table:
+    if result is None or result.result_column not in table:
         raise InputError(
             f"there is nothing to draw; a table has one of {', '.join(DRAWN_RESULT_OF_COLUMN)}; "
             "`squeezefilm plot profile FILE` draws the table of a profile"
         )
-    factors = [name for name in (*result.factors, *POSITION_COLUMNS) if name in table]
+    factors = [name for name in (*result.factor_columns, *POSITION_COLUMNS) if name in table]
     counts = {name: table[name].nunique() for name in factors}
     varied = [name for name in factors if counts[name] > 1]
-    known = table[table[result.column].notna()]
-    error = known[[name for name in result.errors if name in table]].sum(axis=1)
-    known = known.assign(error=error, within=known.get("validity", OK) == OK)
+    known = table[table[result.result_column].notna()]
+    error = known[[name for name in result.error_columns if name in table]].sum(axis=1)
+    within = known.get("validity", pd.Series(OK, known.index)) == OK
+    bounds = [name for name in result.modelling_error_columns if name in table]
+    unknown = known[bounds].isna().any(axis=1)
+    known = known.assign(error=error, filled=within & ~unknown)
     at_one = [name for name in factors if counts[name] == 1]
     title = [_factor_value_text(name, known[name].iloc[0]) for name in at_one if len(known)]
     title += [] if {*factors} & {*POSITION_COLUMNS} else ["pad centred"]
@@ -92,8 +95,10 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     else:
         figure, *notes = _draw_lines(table, known, result, counts, varied)
     figure.axes[0].set_title(", ".join(title), fontsize=7)
-    if not known["within"].all():
-        notes.append("Hollow: outside the limits of validity.")
+    reasons = ["outside the limits of validity"] * (not within.all())
+    reasons += ["modelling error unknown"] * bool(unknown.any())
+    if reasons:
+        notes.append(f"Hollow: {' or '.join(reasons)}.")
     if without := len(table) - len(known):
         notes.append(f"Without a result: {without} of {len(table)} points; status has the reason.")
     style.add_note(figure, *notes)
@@ -130,7 +135,7 @@ def _draw_lines(
     beside = [
         name for name in result.lower_panel_columns if name in known and known[name].notna().any()
     ]
-    panels = [result.column, *beside]
+    panels = [result.result_column, *beside]
     figure, all_axes = style.subplots(
         len(panels), 1, height_in=3.0 + 1.6 * len(beside), sharex=True, squeeze=False
     )
@@ -140,7 +145,7 @@ def _draw_lines(
     axes.set_xlabel(_axis_label(along))
     top = all_axes[0, 0]
     colours = mpl.colormaps[style.SEQUENTIAL_COLOURMAP](np.linspace(0, 0.85, len(lines)))
-    bounds = [name for name in result.bounds if name in known]
+    bounds = [name for name in result.modelling_error_columns if name in known]
     for (_, rows), colour, marker in zip(lines, colours, cycle(MARKERS)):
         rows = rows.sort_values(along)
         at = COLUMNS[along].in_shown_unit(rows[along])
@@ -148,34 +153,42 @@ def _draw_lines(
         label = ", ".join(_factor_value_text(name, rows[name].iloc[0]) for name in others)
         for axes, name in zip(all_axes[:, 0], panels, strict=True):
             column = COLUMNS[name]
-            error = rows["error"] if name == result.column else rows[error_column(name)]
+            error = rows["error"] if name == result.result_column else rows[error_column(name)]
             value = column.in_shown_unit(rows[name])
             axes.errorbar(at, value, column.in_shown_unit(error), **look, label=label)
-            outside = ~rows["within"]
+            doubtful = ~rows["filled"]
             hollow = look | {"linestyle": "", "markerfacecolor": "white", "zorder": 3}
-            axes.plot(at[outside], value[outside], **hollow)
+            axes.plot(at[doubtful], value[doubtful], **hollow)
             label = ""
         if bounds:
             low, high = (
-                COLUMNS[result.column].in_shown_unit(rows[result.column] + rows[name])
+                COLUMNS[result.result_column].in_shown_unit(rows[result.result_column] + rows[name])
                 for name in bounds
             )
             top.fill_between(at, low, high, color=colour, alpha=0.2, linewidth=0)
-    missing = COLUMNS[along].in_shown_unit(table.loc[table[result.column].isna(), along].unique())
+    missing = COLUMNS[along].in_shown_unit(
+        table.loc[table[result.result_column].isna(), along].unique()
+    )
     if len(missing):
         below = {"transform": top.get_xaxis_transform(), "clip_on": False}
         top.plot(missing, np.zeros(len(missing)), "x", color="0.3", **below)
     if others:
         figure.legend(loc="outside upper center", ncols=3)
-    return figure, _error_bars_text(known, result) + (" Bands: modelling error." if bounds else "")
+    notes = [_error_bars_text(known, result)]
+    if "resonance_hz" in panels:
+        notes += ["Bars of the resonance: averaging, thermal effects and inertia."]
+    notes += ["Bands: modelling error."] * bool(bounds)
+    return figure, " ".join(notes)
 
 
 def _error_bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
     """Describe the bars of the result, and their largest length."""
-    predicted = any("95" in name for name in result.errors if name in known)
-    scanned = any(known[name].any() for name in result.errors if "noise" in name and name in known)
+    predicted = any("95" in name for name in result.error_columns if name in known)
+    scanned = any(
+        known[name].any() for name in result.error_columns if "noise" in name and name in known
+    )
     own = "numerical error and scan" if scanned else "numerical error"
-    column = COLUMNS[result.column]
+    column = COLUMNS[result.result_column]
     largest = f"{column.in_shown_unit(known['error'].max()):.2g} {column.shown_unit}"
     return f"Bars: {'prediction error (95 %)' if predicted else own}, at most {largest}."
 
@@ -184,23 +197,23 @@ def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> 
     """The result over the pad's position."""
     at = {name: known[name] for name in position}
     x_m, y_m = (at if position == [*CARTESIAN_COLUMNS] else cartesian_from_polar(**at)).values()
-    column = COLUMNS[result.column]
+    column = COLUMNS[result.result_column]
     dots = pd.DataFrame(
-        {"x": 1e3 * x_m, "y": 1e3 * y_m, "value": column.in_shown_unit(known[result.column])}
+        {"x": 1e3 * x_m, "y": 1e3 * y_m, "value": column.in_shown_unit(known[result.result_column])}
     )
-    dots = dots.assign(within=known["within"]).round({"x": 9, "y": 9}).drop_duplicates(["x", "y"])
+    dots = dots.assign(filled=known["filled"]).round({"x": 9, "y": 9}).drop_duplicates(["x", "y"])
     figure, axes = style.subplots(height_in=3.2)
     try:
         drawn = axes.tricontourf(dots["x"], dots["y"], dots["value"], levels=14)
     except (ValueError, RuntimeError):
         raise InputError("the positions lie on a line, or are fewer than three: no map") from None
-    for within, fill in ((True, "black"), (False, "white")):
+    for filled, fill in ((True, "black"), (False, "white")):
         parts.draw_dots(
-            axes, dots[dots["within"] == within], fill=fill, x="x", y="y", markersize=2.6
+            axes, dots[dots["filled"] == filled], fill=fill, x="x", y="y", markersize=2.6
         )
     axes.set(aspect="equal", xlabel=_axis_label("x_m"), ylabel=_axis_label("y_m"))
     figure.colorbar(
-        drawn, ax=axes, shrink=0.8, pad=0.02, format="%g", label=_axis_label(result.column)
+        drawn, ax=axes, shrink=0.8, pad=0.02, format="%g", label=_axis_label(result.result_column)
     )
     error = f"Largest error: {column.in_shown_unit(known['error'].max()):.2g} {column.shown_unit}."
     return figure, f"{error} Colours: interpolated linearly between dots."

@@ -22,7 +22,7 @@ MAX_POINTS_WITH_MARKERS = 100
 """Simulations of a map, at most, that are drawn as dots."""
 MARKER_OF_STATUS = {"validated": "o", "not validated": "s", "no amplitude": "X"}
 """Of positions: whether a model has an amplitude there, and whether it is validated."""
-VIBRATION_PROFILE_COLUMNS = ("layer", "amplitude_um", "residual_um", "noise_um")
+REQUIRED_PROFILE_COLUMNS = ("layer", "amplitude_um", "residual_um", "noise_um")
 """Of a table of a profile, among others."""
 MAP_POINTS_PER_AXIS = 101
 """Of the grid along each side on which a vibration is drawn."""
@@ -43,7 +43,7 @@ def error_map(results: Results) -> Figure:
     figure.legend(loc="outside upper center", ncols=2, handletextpad=0.4)
     simulated = results.forces("error_map")
     notes = parts.interpolation_note(simulated), simulation_error_note(simulated)
-    note = parts.error_note(results, "two_factor_design", "error_map")
+    note = parts.fit_error_note(results, "two_factor_design", "error_map")
     style.add_note(figure, f"Fit on the design; on {note}.", *notes, results.validity_note)
     return figure
 
@@ -148,7 +148,7 @@ def vibration(results: Results) -> Figure:
 
 def profile(results: Results) -> Figure:
     """Amplitude and residual, over the distance from the centre of a disc, or as maps."""
-    data = results.table("figures/profile.csv", *VIBRATION_PROFILE_COLUMNS)
+    data = results.table("figures/profile.csv", *REQUIRED_PROFILE_COLUMNS)
     noise = results.read_json_file("profile/summary.json").get("largest_force_noise_fraction")
     note = (
         f"Measurement noise of the scan: up to {percent_text(noise)} of a force (95 %)."

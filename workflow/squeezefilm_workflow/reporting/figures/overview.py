@@ -33,7 +33,7 @@ def overview(results: Results) -> Figure:
     screen, design = results.forces("screen"), results.forces("two_factor_design")
     fit = results.fit("screen")
     simulated = results.forces("extrapolation").set_index("point_id").loc[film["point_id"].iloc[0]]
-    errors = results.validation("two_factor_design", "error_map")
+    errors = results.validation_errors("two_factor_design", "error_map")
     force_n, error_n = float(simulated["force_n"]), float(simulated["force_error_n"])
     captions = {
         "Simulate": f"{force_n:.3f} N, numerical\nerror {rounded_up_text(error_n / force_n)} of it",

@@ -59,7 +59,7 @@ def model_mesh_table(fit: FittedModel, screen: pd.DataFrame) -> pd.DataFrame:
 
 def error_table(results: Results, fit: str, plan: str, *, layer: str) -> pd.DataFrame:
     """Relative error of a fit in percent at each point of a plan, and whether it is in the band."""
-    points, band = results.errors(fit, plan), results.validation(fit, plan)["band"]
+    points, band = results.errors(fit, plan), results.validation_errors(fit, plan)["band"]
     return gap_amplitude_table(points[["h0_m", "hv_m"]], layer=layer).assign(
         relative_error_percent=100 * points["relative_error"],
         in_band=points["relative_error"].abs() <= band,
@@ -67,9 +67,9 @@ def error_table(results: Results, fit: str, plan: str, *, layer: str) -> pd.Data
     )
 
 
-def error_note(results: Results, fit: str, plan: str) -> str:
+def fit_error_note(results: Results, fit: str, plan: str) -> str:
     """The errors of a fit over the points of a plan."""
-    errors = results.validation(fit, plan)
+    errors = results.validation_errors(fit, plan)
     return (
         f"{errors['points']:.0f} points: global error {percent_text(errors['global_error'])}, "
         f"largest {percent_text(errors['worst_relative_error'])}"

@@ -28,8 +28,8 @@ MAX_SERIES_WAVE_NUMBER = 2000
 class FilmFactors(NamedTuple):
     """A of the flow and B of the density; both are 1 without inertia and thermal effects."""
 
-    flow: complex = 1.0
-    density: complex = 1.0
+    flow_factor: complex = 1.0
+    density_factor: complex = 1.0
 
 
 VISCOUS_FACTORS = FilmFactors()
@@ -70,9 +70,11 @@ def piston_response(
     b being the aspect; they fall as 1/m⁴.
     """
     m = np.arange(1, MAX_SERIES_WAVE_NUMBER, 2)
-    q = np.sqrt((pi * m) ** 2 + 1j * sigma * factors.density / factors.flow)
+    q = np.sqrt((pi * m) ** 2 + 1j * sigma * factors.density_factor / factors.flow_factor)
     half = q * aspect / 2
-    parts = 8 / (pi * m) ** 2 * (1j * sigma / (factors.flow * q**2)) * (1 - np.tanh(half) / half)
+    parts = (
+        8 / (pi * m) ** 2 * (1j * sigma / (factors.flow_factor * q**2)) * (1 - np.tanh(half) / half)
+    )
     return complex(parts.sum())
 
 
@@ -81,9 +83,9 @@ def disc_response(sigma: float, factors: FilmFactors = VISCOUS_FACTORS) -> compl
 
     The pressure is a Bessel function, 1 − I0(2 κ r)/I0(κ) over −B with κ² = iσB/(4A), r up to 1/2.
     """
-    kappa = np.sqrt(1j * sigma * factors.density / factors.flow) / 2
+    kappa = np.sqrt(1j * sigma * factors.density_factor / factors.flow_factor) / 2
     ratio = ive(1, kappa) / (kappa * ive(0, kappa))
-    return complex((1 - 2 * ratio) / factors.density)
+    return complex((1 - 2 * ratio) / factors.density_factor)
 
 
 def radial_pressure(
@@ -98,9 +100,9 @@ def radial_pressure(
     """
     grid, length = chebyshev_grid(len(r)), r[-1] - r[0]
     at = r[0] + length * grid.x
-    first, second = grid.first / length, grid.second / length**2
-    rate = 1j * squeeze / factors.flow
-    operator = second + first / at[:, None] - rate * factors.density * np.eye(len(at))
+    first, second = grid.derivative_matrix / length, grid.second_derivative_matrix / length**2
+    rate = 1j * squeeze / factors.flow_factor
+    operator = second + first / at[:, None] - rate * factors.density_factor * np.eye(len(at))
     right = rate * CubicSpline(r, motion)(at)
     operator[0], right[0] = np.eye(len(at))[0], edge
     operator[-1], right[-1] = first[-1], 0.0
