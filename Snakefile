@@ -1,4 +1,5 @@
-# The whole paper: `snakemake` here runs it, `snakemake --list-target-rules` names its parts.
+# A whole study, the paper's by default: `snakemake` here runs it, `snakemake --list-target-rules`
+# names its parts.
 
 from snakemake.utils import min_version
 
@@ -12,9 +13,17 @@ STUDY_FILES = workflow.configfiles
 include: "workflow/Snakefile"
 
 
-rule paper:
+rule study:
     default_target: True
     input:
         rules.all.input,
+    message:
+        "Everything of the study {STUDY} is made"
+
+
+# The same by the name that the paper's study has.
+rule paper:
+    input:
+        rules.study.input,
     message:
         "Everything of the study {STUDY} is made"

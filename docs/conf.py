@@ -21,6 +21,7 @@ from squeezefilm.columns import COLUMNS
 from squeezefilm.config.keys import key_table, study_schema
 from squeezefilm.film.gas import GASES_TABLE_PATH
 from squeezefilm.film.validity import VALIDITY_LIMITS
+from squeezefilm_workflow.paper.claims import verdict_text
 
 project, version, release = "squeezefilm", __version__, __version__
 extensions = [
@@ -56,7 +57,7 @@ def claims() -> list[str]:
     agreeing = dict.fromkeys(rows, 0)
     for each in claims:
         agrees = ours[each["claim_id"], "verdict"] == "agrees"
-        verdict = f"agrees {each['within']}" if agrees else f"differs because {each['because']}"
+        verdict = verdict_text(agrees, within=each["within"], because=each["because"])
         value = ours.get((each["claim_id"], "ours"), "below 1 s")  # run times are not compared
         verdict = verdict.replace("docs/explanation/paper.md", "this page")
         cells = each["claim"], verdict, each["paper"], value, each["unit"]

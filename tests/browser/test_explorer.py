@@ -152,6 +152,12 @@ def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer)
             assert fit.evaluate(at) == pytest.approx([load_n], rel=1e-6)
 
 
+def test_the_result_names_its_model_and_what_its_error_is_of(explorer):
+    said = explorer.browser.run("return document.querySelector('.answer').innerText").lower()
+    assert "mean force by the model two factors (5 design points)" in said
+    assert "the error is that of the model against the film equation; neglected effects" in said
+
+
 def test_the_page_gives_a_value_the_digits_of_its_error_as_the_library_does(explorer):
     told = explorer.browser.run(
         "return arguments[0].map((each) => toItsError(...each))", RESULT_ROW

@@ -20,7 +20,7 @@ from squeezefilm_workflow.reporting.figures.style import PLAIN_PICTURE_SUFFIX
 from squeezefilm_workflow.reporting.results import Results as StudyResults
 
 from ..workflow.conftest import QUICK, copy_checkout, snakemake
-from .conftest import TABLE, Failed, Results, failed_in
+from .conftest import REFERENCE, TABLE, Failed, Results, failed_in
 
 
 def items(failed: Failed, part: str) -> set[str]:
@@ -52,6 +52,20 @@ def test_the_sound_study_is_green(sound):
     assert sound.status == 0, sound.log[-6000:]
     assert failed_in(sound.folder / TABLE) == set()
     assert f"All {len(pd.read_csv(sound.folder / TABLE))} quantities passed." in sound.log
+
+
+def test_a_failed_check_ends_with_its_verdict_and_has_it_once(copy):
+    """It stood before and after a list of all the inputs, eighty lines."""
+    path = copy / REFERENCE / "quick/tables.csv"
+    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    table.assign(value=table["value"].where(table.index != 0, "other")).to_csv(path, index=False)
+    done = snakemake(copy, "check", *QUICK)
+    assert done.returncode != 0
+    before, _, after = re.split(r"(\n1 of \d+ quantities failed\..*\n)", done.stdout)
+    assert "Failed:" in before
+    assert "results/quick/tables/table" in before[before.index("Files that failed:") :]
+    assert len(after.splitlines()) < 10, after
+    assert len(before[before.index("Error in rule") :].splitlines()) < 40
 
 
 # --- faults in tables ---------------------------------------------------------------------------

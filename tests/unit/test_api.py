@@ -166,7 +166,7 @@ def test_a_fit_predicts_what_is_simulated(study, fit):
     assert predicted["note"] == ""
     outside = fit.predict("6 um", "4 um").iloc[0]
     assert np.isnan(outside["error_95_n"])
-    assert "hv_m outside" in outside["note"]
+    assert "hv = 4 µm outside" in outside["note"]
 
 
 def test_a_model_is_fitted_to_positions_on_a_rectangle(edited, repository):

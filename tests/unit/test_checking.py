@@ -83,6 +83,22 @@ def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
     assert len(quantities(FORCES)[1].cell_texts) == MAX_SAMPLED_ROWS
 
 
+@pytest.mark.parametrize(("plan", "points"), [("screen", 60), ("four_factor", 65)])
+def test_every_force_that_a_study_fits_is_compared(plan, points, repository):
+    """A force between the sampled rows could be in error by fifteen tolerances."""
+    stored_forces = read_reference(repository / "tests/reference/paper")[
+        ("simulations", plan, "force_n")
+    ]
+    assert list(stored_forces) == [f"row {row + 1}" for row in range(points)]
+    forces = pd.DataFrame({"force_n": [float(text) for text in stored_forces.values()]})
+    closeness = {"force": CellTolerance(relative=2e-6), "model": CellTolerance(relative=2e-6)}
+    for row in (None, *range(points)):
+        changed = forces["force_n"] * np.where(forces.index == row, 1 + 3e-5, 1)
+        _, found = column_quantities(forces.assign(force_n=changed), closeness, "simulations", plan)
+        (verdict,) = compare_quantities([found], {found[:3]: stored_forces})["verdict"]
+        assert (verdict == PASSED) == (row is None), row
+
+
 @pytest.mark.parametrize(
     ("tolerance", "expected", "got", "share"),
     [

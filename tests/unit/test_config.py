@@ -69,6 +69,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("frequency:", "frequency_hz:", "line 20: actuator: unknown key 'frequency_hz'; did you mean"),
     (f"  frequency: {HZ}\n", "", "line 19: actuator: missing 'frequency' (0.001 … 1e9 Hz): freq"),
     (HZ, "fast", f"line 20: actuator.frequency: 'fast' should be a valid number; {LIKE}"),
+    (HZ, "28 mm", f"actuator.frequency: '28 mm' is a length; a frequency is wanted; {LIKE}"),
     (HZ, "-3", "frequency: -3 should be greater than or equal to 0.001; allowed"),
     ("kind: sinc", "kind: bassel", "kind: 'bassel' is none of `sinc`, `piston`"),
     (SINC, f"{WAVE}, surface: 1", "unknown key 'surface'; allowed are crest, direction, kind"),
@@ -83,13 +84,13 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("", "study: other\n", "line 3: the key 'study' stands twice"),
     ("", "a: &b [c]\nd: *b\n", "line 1: an alias of this value is not allowed"),
     ("", "<<: {a: 1}\n", "line 1: top level: unknown key '<<'"),
-    ("", "a: [\n", "not valid YAML"),
+    ("", "a: [\n", "not valid YAML: while parsing a flow sequence in line 1, column 4"),
     ("inertia: none", "name: neon", "gas.name: 'neon' is none of `air`, `nitrogen`, `helium`"),
     ("inertia: none", "ambient_temperature: 20 °F", "allowed: 223.15 … 473.15 K"),
     ("density: 1.204 kg/m³", "name: argon", "argon at 293.15 K, 2.231e-05; of another gas give d"),
     ("stop: 2 µm", "stop: 5 µm", "hv = 5 µm reaches h0 = 5 µm: surface and pad touch"),
     ("h0: {levels: 41}", "h0: {stop: 12 µm}", "error_map.h0.stop: 1.2e-05 does not suit screen.h0"),
-    ("2.9 mm]", "3.1 mm]", "off the actuator's disc of radius 10.00 mm"),
+    ("2.9 mm]", "3.1 mm]", "off the actuator's disc of radius 10 mm"),
     (SINC, "kind: formula, expression: open('x')", "actuator.profile.expression: column 1"),
 ]
 

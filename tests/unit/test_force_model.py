@@ -3,14 +3,18 @@
 from functools import partial
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_FACTOR
 
+from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import Factors
+from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fit_file import amplitude_for_force
-from squeezefilm.models.force_model import make_model
+from squeezefilm.models.force_model import check_columns_known, get_model, make_model
+from squeezefilm.studies.tasks.fits import asymptotic_forces_of_table
+from squeezefilm.studies.tasks.physics_limits import with_limit_forces
 
 THETA = {TWO_FACTOR: np.array(SCREEN_THETA), FOUR_FACTOR: np.array(FOUR_FACTOR_THETA)}
 MODELS = pytest.mark.parametrize("model", [TWO_FACTOR, FOUR_FACTOR], ids=lambda m: m.name)
@@ -61,3 +65,19 @@ def test_a_force_that_no_amplitude_gives_is_refused(force_n):
     evaluate = partial(TWO_FACTOR.evaluate, THETA[TWO_FACTOR])
     with pytest.raises(InputError, match="force_n"):
         amplitude_for_force(evaluate, force_n=force_n, h0_m=5e-6)
+
+
+def test_a_model_that_cannot_be_used_has_the_status_of_the_asymptotic_force(edited, tmp_path):
+    """It was "see its status", which stood in another file of the results."""
+    config, model = load_config(edited("paper", pad={"shape": "ellipse"})), get_model("limit_2")
+    at_centre = {"phi_r_m": [0.0], "phi_deg": [0.0]}
+    points = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6], "hv_m": [1e-6], **at_centre})
+    points = points.assign(force_n=0.2, status="ok")
+    limits = tmp_path / "limits.csv"
+    asymptotic_forces_of_table(points, config).to_csv(limits, index=False)
+    for factors in (
+        factors_of_table(with_limit_forces(model, points, config)),
+        factors_of_table(points, limits=limits),
+    ):
+        with pytest.raises(InputError, match="row 1: the composite expansion is derived for rect"):
+            check_columns_known(model, factors)

@@ -40,6 +40,8 @@ def test_a_new_study_may_be_of_a_plate_with_a_standing_wave(tmp_path):
     assert config.symmetry().position_columns == ("x_m", "y_m")
     assert [*study_notes(config)] == []
     assert "wave" in config.comparison.four_factor
+    # The amplitude for a force is largest at a crest, the centre, or on a node line.
+    assert config.positions.x_m[0] == config.actuator.profile.wavelength_m / 4
 
 
 def test_nothing_is_written_over(tmp_path, refused):

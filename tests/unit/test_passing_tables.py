@@ -108,10 +108,10 @@ def test_forces_over_x_and_y_are_a_map_that_names_gap_amplitude_and_study():
 
 def test_curves_are_told_apart_without_colours_and_name_what_is_constant():
     figure = curve_figure(
-        points(x_m=1e-3, y_m=0.0, h0_m=[5e-6, 6e-6, 5e-6, 6e-6], hv_m=[1e-6, 1e-6, 2e-6, 2e-6])
+        points(x_m=-2e-3, y_m=0.0, h0_m=[5e-6, 6e-6, 5e-6, 6e-6], hv_m=[1e-6, 1e-6, 2e-6, 2e-6])
     )
     (axes,) = figure.axes
-    assert axes.get_title() == "$x$ = 1 mm, $y$ = 0 mm, study mine"
+    assert axes.get_title() == "$x$ = −2 mm, $y$ = 0 mm, study mine"
     markers = [bars.lines[0].get_marker() for bars in axes.containers]
     assert len({*markers}) == len(markers) == 2
 
@@ -178,6 +178,25 @@ def test_the_table_of_a_profile_is_drawn(tmp_path):
     picture = tmp_path / "profile.svg"
     assert main(["plot", "profile", str(tmp_path / "profile.csv"), "--output", str(picture)]) == 0
     assert "(b) residuals" in picture.read_text(encoding="utf-8")
+
+
+def test_the_table_of_a_profile_over_x_and_y_is_drawn(tmp_path):
+    at = {"x_mm": [0.0, 1.0, 0.0, 1.0], "y_mm": [0.0, 0.0, 1.0, 1.0]}
+    scan = at | {"layer": "points", "amplitude_um": [1.0, 0.8, 0.8, 0.6], "residual_um": 0.01}
+    drawn = at | {"layer": "map", "profile_um": [1.0, 0.8, 0.8, 0.6]}
+    table = pd.concat([pd.DataFrame(scan), pd.DataFrame(drawn)]).assign(noise_um=0.01)
+    path, picture = tmp_path / "profile.csv", tmp_path / "profile.svg"
+    table.to_csv(path, index=False)
+    assert main(["plot", "profile", str(path), "--output", str(picture)]) == 0
+    assert "(b) residuals" in picture.read_text(encoding="utf-8")
+
+
+def test_a_profile_drawn_as_forces_names_the_command_for_it(tmp_path, refused):
+    path = tmp_path / "profile.csv"
+    path.write_text("layer,r_mm,amplitude_um,residual_um,noise_um\npoints,0,1,0,0.01\n")
+    told = refused("plot", str(path), "--output", str(tmp_path / "profile.svg"))
+    assert f"{path}: there is nothing to draw" in told
+    assert "`squeezefilm plot profile FILE`" in told
 
 
 def test_results_of_other_commands_do_not_stand_beside_predictions(run, written):

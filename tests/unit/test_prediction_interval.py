@@ -106,8 +106,8 @@ def test_coverage_is_shown_by_region():
     ("point", "note"),
     [
         ({}, ""),
-        ({"h0_m": 4.9e-6}, "h0_m outside 5e-06 … 1e-05"),
-        ({"phi_r_m": 1e-3, "phi_deg": 50.0}, "phi_deg outside"),
+        ({"h0_m": 4.9e-6}, "h0 = 4.9 µm outside 5 … 10 µm"),
+        ({"phi_r_m": 1e-3, "phi_deg": 50.0}, "φ = 50 ° outside"),
         ({"phi_r_m": 0.0, "phi_deg": 50.0}, ""),
     ],
 )

@@ -84,7 +84,7 @@ def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
     ("changes", "message"),
     [
         ({"hv_m": 5e-6}, "surface and pad touch"),
-        (cartesian_from_polar(2.94e-3, 45.0), "off the actuator's disc of radius 10.00 mm"),
+        (cartesian_from_polar(2.94e-3, 45.0), "off the actuator's disc of radius 10 mm"),
     ],
 )
 def test_a_scene_without_a_film_is_refused(scene, changes, message):

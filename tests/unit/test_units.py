@@ -7,7 +7,7 @@ import pytest
 from reference_forces import FOUR_FACTOR, TWO_FACTOR
 
 from squeezefilm.errors import InputError
-from squeezefilm.formatting import percent_text, result_lines_text
+from squeezefilm.formatting import column_label, percent_text, result_lines_text
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.quantities.model_error import EFFECT_NAMES, Effect, ErrorBudget, budget_row
 
@@ -97,6 +97,17 @@ def test_a_stiffness_is_shown_without_an_exponent():
 
 def test_a_zero_has_no_sign():
     assert result_lines_text({"centre_x_m": -0.0, "centre_x_error_m": 0.0}) == "centre x  0 ± 0 m"
+
+
+def test_friction_is_shown_of_a_sliding_pad():
+    row = {"sliding_friction_n": 2e-3, "sliding_friction_error_n": 1e-6}
+    assert "sliding friction" in result_lines_text(row | {"bearing_number": 3.0})
+    at_rest = {"thrust_x_n": 1e-3, "thrust_x_error_n": 1e-6, "bearing_number": 0.0}
+    assert result_lines_text(at_rest | row) == "thrust x  0.0010000 ± 1.0e-06 N"
+
+
+def test_a_derivative_by_the_prandtl_number_names_it():
+    assert column_label("dforce_dprandtl") == "dF/d Prandtl number"
 
 
 @pytest.mark.parametrize(

@@ -132,8 +132,8 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
     ("options", "note"),
     [
         (["--h0=5um", "--hv=1um"], ""),
-        (["--h0=5um", "--hv=2.2um"], "hv_m outside 2e-07"),
-        (["--h0=5um", "--hv=1um", "--phi-r=2.95mm", "--phi=10deg"], "phi_r_m outside"),
+        (["--h0=5um", "--hv=2.2um"], "hv = 2.2 µm outside 0.2 … 2 µm"),
+        (["--h0=5um", "--hv=1um", "--phi-r=2.95mm", "--phi=10deg"], "r = 2.95 mm outside"),
         (["--h0=1um", "--hv=0.9um"], "undefined here"),
     ],
 )
@@ -143,6 +143,20 @@ def test_extrapolation_is_noted(options, note, write_fit, tmp_path):
     assert (note in table["note"][0]) if note else table["note"][0] == ""
     for name in ("error_95_percent", "error_95_n", "error_99_n"):
         assert np.isnan(table[name][0]) == bool(note)
+
+
+@pytest.mark.parametrize("command", [["predict", "--hv=2.2um"], ["amplitude-for", "--force=1.2N"]])
+def test_a_point_outside_has_the_reason_in_place_of_its_error(command, write_fit, capsys):
+    """The sentence about 95 % of the points says nothing of this one."""
+    name, *options = command
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    assert cli.main([name, str(path), "--h0=5um", *options]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(
+        r"prediction error \(95 %\) +not validated: hv = 2\.\d+ µm outside 0\.2 … 2 µm", lines[1]
+    )
+    assert "not available" not in "".join(lines)
+    assert "95 % have" not in "".join(lines)
 
 
 @pytest.mark.parametrize("name", ["two_factor", "four_factor", "limit_2"])

@@ -144,6 +144,38 @@ def test_the_summary_says_what_how_accurate_and_where_it_differs(study):
     assert "undecided with 12 of the paper's 60 screen points |" in summary
 
 
+def test_the_summary_counts_points_of_a_sample_that_have_no_force(study, tmp_path):
+    sample = "simulations/validation_four_factor/forces.csv"
+    unsolved = {"status": "not converged", "force_n": None, "force_error_n": None, "method": None}
+    results = study.changed(
+        tmp_path,
+        sample,
+        lambda table: table.assign(
+            **{name: table[name].where(table.index != 3, value) for name, value in unsolved.items()}
+        ),
+    )
+    plans = ["screen", "validation_four_factor"]
+    about = {"fits": ["screen"], "pairs": ["two_factor_design_on_screen"]}
+    values = summary_values(results, plans=plans, **about)
+    count = len(pd.read_csv(study.root / sample))
+    assert values["total"] == 12 + count
+    assert values["plans"]["simulations"].tolist() == ["12", str(count)]
+
+
+def test_the_links_of_the_summary_lead_to_pages_of_the_study(finished):
+    page = finished.folder / "results/quick/report/summary.html"
+    links = re.findall('href="(.*?)"', page.read_text(encoding="utf-8"))
+    assert {"../explorer.html", "claims.html"} <= {*links}
+    assert all((page.parent / link).is_file() for link in links if not link.startswith("data:"))
+
+
+def test_the_summary_lists_every_plan_that_its_errors_are_measured_on(finished):
+    page = (finished.folder / "results/quick/report/summary.html").read_text(encoding="utf-8")
+    plans = page.partition("in these plans")[2].partition("</table>")[0]
+    for plan in ("screen", "four_factor", "validation_two_factor", "validation_four_factor"):
+        assert f"<td>{plan}</td>" in plans
+
+
 RECOMMENDED = """\
 space,model,parameters,validation_points,validation_error,simulations,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
 hv_error_95_m,error_95_percent,note
@@ -169,7 +201,10 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     assert text.index("limit_1, global error") < text.index("**Fit.**")  # the paper's formula last
     assert "| limit_1 | 0 | 0 | 1.334 | 6.3 % |" in text
     assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
-    assert "−2 to +11 % of the force, by neglected effects, solved for together" in text
+    assert "Positions are those of the plan; on a wave include a crest and a node line." in text
+    bounds = "−1.2…+0.5 % (h0 = 5 µm) to −2…+11 % (h0 = 6 µm)"
+    assert f"{bounds} of the force, by neglected effects, solved for together" in text
+    assert ", with 1.1 times the screen's largest amplitude" in text
 
 
 def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repository, tmp_path):
@@ -184,6 +219,7 @@ def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repo
     fits = json.loads(re.search(r'id="data">(.*?)</script>', page)[1])["fits"]
     names = ["limit_2 on four_factor", "limit_1 on two_factor", "screen"]
     assert [each["name"] for each in fits] == names
+    assert "neglected effects\nadd +0.22…+0.53 % (h0 = 5 µm) to " in page
     assert [each["label"].endswith(", best") for each in fits] == [True, True, False]
 
 

@@ -43,7 +43,9 @@ FOUR_FACTOR = {
 
 def test_every_target_can_be_planned(fresh):
     names = targets(fresh)
-    assert {"paper", "all", "two_factor", "four_factor", "figures", "paper_tables"} <= set(names)
+    assert {"study", "paper", "all", "two_factor", "four_factor", "figures", "paper_tables"} <= set(
+        names
+    )
     assert {f"fig{number:02}" for number in range(5, 17)} <= set(names)
     rows = planned(fresh, *names)  # one name that cannot be planned, and none is
     assert len(rows) > len(planned(fresh, "paper"))
@@ -59,6 +61,14 @@ def test_every_target_can_be_planned(fresh):
 )
 def test_a_target_needs_its_own_simulations_alone(target, plans, fresh):
     assert plans_of(planned(fresh, target)) == plans
+
+
+def test_a_run_without_a_target_makes_a_study_whoever_s_it_is(fresh):
+    """The job was called `paper` in a study of one's own too."""
+    told = snakemake(fresh, "--dry-run", *QUICK).stdout
+    assert re.search(r"^study +1$", told, re.MULTILINE)
+    assert not re.search(r"^paper +1$", told, re.MULTILINE)
+    assert planned(fresh, "paper") == planned(fresh, "study")
 
 
 @pytest.mark.parametrize("study", ["plate", "levitation"])

@@ -11,7 +11,9 @@ rule explorer:
         candidate_files("four_factor"),
         [] if PAPER else [rules.recommend.output, candidate_files("two_factor")],
         expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
-        expand("<results>/simulations/screen/{table}.csv", table=["response", "gains"]),
+        expand(
+            "<results>/simulations/screen/{table}.csv", table=["response", "gains", "error_budget"]
+        ),
     output:
         "<results>/explorer.html",
     log:

@@ -3,7 +3,7 @@
 
 VALIDATIONS = [pair for space in FITS for pair in validations(space)]
 SUMMARY_PLANS = [*FITS["two_factor"], "error_map", "extrapolation", *JUDGED_ON["four_factor"]]
-SUMMARY_PLANS += FITS["four_factor"][1:]
+SUMMARY_PLANS += [*FITS["four_factor"][1:], *expand("validation_{space}", space=FITS)]
 
 # The figures with which the summary opens, by what they show.
 PICTURES = {

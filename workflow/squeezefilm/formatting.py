@@ -44,6 +44,8 @@ HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps"
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
 NOT_AVAILABLE_TEXT, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
+NOT_VALIDATED_TEXT = "not validated"
+"""Beginning of a note on a point that a model's validation does not cover."""
 EFFECT_NAMES_SHOWN = (
     *("inertia", "thermal", "depth_averaged", "sheared_gas", "moving_profile", "ram_pressure"),
     *("slip", "flow_factor", "edge_loss"),
@@ -139,6 +141,9 @@ def error_text_in_unit(error: float, *, value: float, unit: str) -> str:
 def result_lines_text(row: Mapping[Any, Any]) -> str:
     """Return a row as lines: the result, its errors, other values, scene and solver, notes."""
     rest = {name: value for name, value in row.items() if name not in HIDDEN_COLUMNS}
+    if not rest.get("bearing_number"):
+        # Friction is of a sliding pad.
+        rest = {name: value for name, value in rest.items() if "sliding_friction" not in name}
     effects, result = _take_effect_lines(rest), _take_result_lines(rest)
     last = [*_take_scene_lines(rest), *_take_solver_lines(rest)]
     last += [(column_label(name), rest.pop(name, "")) for name in LAST_COLUMNS]
@@ -199,9 +204,17 @@ def _take_result_lines(row: Row) -> LabelledLines:
         row.pop("tolerance" if name else "", None)
         return [(column_label(stem or "force"), NOT_AVAILABLE_TEXT + why)] if name or why else []
 
+    reason = str(row.get("note", "")) if "95" in column else ""
+    if reason.startswith(NOT_VALIDATED_TEXT):
+        # What the model's errors are elsewhere is not of this point.
+        for other in ("note", "validation", "error_95_percent"):
+            row.pop(other, None)
+    else:
+        reason = NOT_AVAILABLE_TEXT
+
     def error_and_percent_text(error: float, source: str) -> str:
         if not isfinite(error):
-            return NOT_AVAILABLE_TEXT
+            return reason
         part = round_up_error(100 * abs(error / value)) if value else 0.0
         percentage = f", {percent_text(part, sign='')}" if value else ""
         return f"± {error_text_in_unit(error, value=value, unit=unit)}{percentage}{source}"
@@ -218,7 +231,7 @@ def _take_result_lines(row: Row) -> LabelledLines:
             "prediction error (95 %)" if "95" in column else "numerical error",
             error_and_percent_text(error, tolerance),
         ),
-        ("prediction error (99 %)", error_and_percent_text(wider, "") * bool(wider)),
+        ("prediction error (99 %)", error_and_percent_text(wider, "") * (wider > 0)),
         (
             "measurement noise",
             error_and_percent_text(noise, " (95 %, from the scan)") * bool(noise),

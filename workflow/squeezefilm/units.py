@@ -39,6 +39,20 @@ PREFIX_FACTORS = {
     "M": 1e6,
 }
 PREFIX_FACTORS |= dict.fromkeys("µμu", 1e-6)
+QUANTITY_OF_UNIT = {
+    "m": "a length",
+    "m/s": "a speed",
+    "s": "a time",
+    "Hz": "a frequency",
+    "deg": "an angle",
+    "rad/m": "a wave number",
+    "N": "a force",
+    "Pa": "a pressure",
+    "Pa s": "a viscosity",
+    "kg": "a mass",
+    "kg/m³": "a density",
+    "K": "a temperature",
+}
 UNIT_OF_LOWER_CASE = {
     unit.lower(): unit for unit in ("N", "m", "s", "Hz", "rad", "Pa", "W", "kg", "K")
 }
@@ -124,6 +138,16 @@ def number_in_unit(text: str, unit: str) -> float | None:
     zero = 273.15 * (text[match.end() :].strip() == "°C")
     value = float(f"{float(match[1]) * own.size / wanted.size + zero:.15g}")
     return value if math.isfinite(value) else None
+
+
+def quantity_of_unit(unit: str) -> str:
+    """Return what a unit measures, such as ``a length``; an empty text if it is none of these."""
+    wanted = parse_compound_unit(unit)
+    for name, quantity in QUANTITY_OF_UNIT.items():
+        known = parse_compound_unit(name)
+        if wanted and known and wanted.dimension == known.dimension:
+            return quantity
+    return ""
 
 
 def parse_quantity(text: str, *, option: str, unit: str) -> float:

@@ -50,10 +50,10 @@ models: # along a standing wave the force repeats twice in a wavelength
     constants: {wavelength: 12 mm} # the profile's
 
 comparison:
-  four_factor: [four_factor, limit_2, wave]
+  four_factor: [four_factor, limit_2, wave] # limit_2: rectangular pads only
 
-positions: # the farthest pad centres of interest, on one side
-  x: [20 mm]
+positions: # pad centres of interest, on one side
+  x: [3 mm, 20 mm] # node line (a quarter wavelength), and the farthest pad centre
   y: [10 mm]
 
 extrapolation: #""",

@@ -134,20 +134,21 @@ def validate(options: argparse.Namespace) -> None:
     table_output_option("--output", "DESIGNS.csv", "designs to write", required=True),
 )
 def optimal(options: argparse.Namespace) -> None:
-    """D-optimal designs with proof of optimality, for a fitted model and your points.
+    """D-optimal designs with a bound of their efficiency, for a fitted model.
 
       squeezefilm optimal FIT.json --forces FORCES.csv --config C.yaml --output DESIGNS.csv \\
           [--existing SCENES.csv]
 
     The model is FIT.json's, FORCES.csv what it was fitted to: they give the parameters, and how far
     these can go; the study's ranges are the box in which points may lie. DESIGNS.csv has these
-    designs, the first three verified by the equivalence theorem:
+    designs, the first three with a bound of their efficiency by the equivalence theorem (between
+    candidates by sampled maxima):
 
       local      the best weights of points anywhere in the space, for the fitted parameters
       bayesian   for the mean over the parameter vectors at the ends of the parameters' ranges
       maximin    for the worst of these vectors
       exact-N    the best N points found by exchange from 50 starts, each once and apart from the
-                 others; not proved
+                 others
       augmented  the points of --existing and the best ones found to add to them
 
     Their D-efficiencies are printed, with a lower bound that does not need the best design. With

@@ -33,7 +33,13 @@ from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Sinc, StandingWave
 from squeezefilm.film.scene import Actuator
 from squeezefilm.sections import KeyPath, key_of_name
-from squeezefilm.units import DECIMAL_REGEX, number_in_unit, quantity_examples_text
+from squeezefilm.units import (
+    DECIMAL_REGEX,
+    NUMBER_PATTERN,
+    number_in_unit,
+    quantity_examples_text,
+    quantity_of_unit,
+)
 
 FilmSectionsT = TypeVar("FilmSectionsT", bound=FilmSections)
 
@@ -172,7 +178,8 @@ def _read_yaml(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, 
         node = yaml.compose(text, Loader=getattr(yaml, "CBaseLoader", yaml.BaseLoader))
         values = value_of_node(node, ()) if node else None
     except yaml.YAMLError as error:
-        raise InputError(f"{path}: not valid YAML: {' '.join(str(error).split())}") from None
+        reason = " ".join(str(error).split()).replace('"<unicode string>", ', "")
+        raise InputError(f"{path}: not valid YAML: {reason}") from None
     except RecursionError:
         raise InputError(f"{path}: nested too deeply") from None
     if not isinstance(values, dict):
@@ -263,6 +270,10 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
             f"{where}: {value} is in radians or in waves per length; write '{number:.6g} rad/m', "
             f"or '{2 * math.pi * number:.6g} rad/m' for {number:.6g} waves per metre"
         )
+    written = NUMBER_PATTERN.match(wrong) if isinstance(wrong, str) else None
+    own = quantity_of_unit(wrong[written.end() :]) if written else ""
+    if unit and own and (wanted := quantity_of_unit(unit)):
+        text = f"{where}: {value} is {own}; {wanted} is wanted"
     like = (
         f" {unit}, as a number or with its unit, like {quantity_examples_text(unit)}"
         if unit

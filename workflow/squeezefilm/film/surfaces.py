@@ -53,7 +53,7 @@ class Disc:
     @property
     def text(self) -> str:
         """Return the surface's shape with its size."""
-        return f"disc of radius {self.radius_m * 1e3:.2f} mm"
+        return f"disc of radius {self.radius_m * 1e3:.4g} mm"
 
     def relative_distance(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Relative distance of points from the centre: 0 at the centre, 1 on the edge."""
@@ -145,7 +145,7 @@ class Rectangle:
 
     @property
     def text(self) -> str:
-        return f"{self.length_x_m * 1e3:.2f} × {self.length_y_m * 1e3:.2f} mm rectangle"
+        return f"{self.length_x_m * 1e3:.4g} × {self.length_y_m * 1e3:.4g} mm rectangle"
 
     def relative_distance(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         half_x, half_y = self.half_extents_m

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -46,11 +46,13 @@ class Factors:
     columns: by their names, each of shape (n,): h0_m, the mean gap, and hv_m, the vibration
     amplitude at the centre, with epsilon, their ratio; the position of the pad's centre in polar
     (phi_r_m, phi_deg, phi_rad) and Cartesian form (x_m, y_m); results of physics. They are
-    attributes too. position: the form in which positions were given.
+    attributes too. position: the form in which positions were given. statuses: of the results of
+    physics at each point, shape (n,), if they are from a table.
     """
 
     columns: Mapping[str, Array]
     position_columns: tuple[str, str] = POLAR_COLUMNS
+    statuses: NDArray[np.str_] | None = None
 
     @classmethod
     def of(cls, *, h0_m: ArrayLike, hv_m: ArrayLike, **others: ArrayLike) -> Factors:
@@ -104,7 +106,9 @@ class Factors:
         """Some of the points, by a mask or by indices."""
         index = np.asarray(which)
         return Factors(
-            {name: each[index] for name, each in self.columns.items()}, self.position_columns
+            {name: each[index] for name, each in self.columns.items()},
+            self.position_columns,
+            None if self.statuses is None else self.statuses[index],
         )
 
     def outside_masks(
@@ -147,4 +151,6 @@ def factors_of_table(points: pd.DataFrame, *, limits: Path | str | None = None) 
     for name, numbers in given.items():
         if (numbers.isna() & points[name].notna()).any():
             raise InputError(f"{name}: a value is not a number")
-    return Factors.of(**given)
+    has_status = {"limit_n", "status"} <= {*points}
+    statuses = points["status"].to_numpy(dtype=str) if has_status else None
+    return replace(Factors.of(**given), statuses=statuses)

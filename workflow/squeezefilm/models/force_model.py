@@ -297,13 +297,16 @@ def check_models_of_study(study: Study) -> None:
 def check_columns_known(model: ExpressionModel, factors: Factors) -> None:
     """Check that a model's columns are known at every point.
 
-    Raises InputError naming the column, and what to do.
+    Raises InputError naming the column, the first point where it is not, and the reason.
     """
     for name in model.column_names:
         unknown = np.flatnonzero(~np.isfinite(factors.column(name)))
         if len(unknown):
+            first = unknown[0]
+            reason = "ok" if factors.statuses is None else factors.statuses[first]
+            if reason == "ok":  # that of a force
+                reason = "the asymptotic expansion does not hold there"
             raise InputError(
                 f"{name}: unknown at {len(unknown)} of {len(factors)} points, the first in row "
-                f"{unknown[0] + 1}: the asymptotic expansion does not hold there (see its status), "
-                f"so the model {model.name} cannot be used on these points"
+                f"{first + 1}: {reason}; the model {model.name} cannot be used on these points"
             )

@@ -119,8 +119,14 @@ class PredictionInterval(BaseModel):
         """Factors of each point outside the declared space, empty where there are none."""
         notes = np.full(len(factors), "", dtype=object)
         for name, out in factors.outside_masks(self.ranges).items():
-            low, high = self.ranges[name]
-            notes[out] += f"; {name} outside {low:.4g} … {high:.4g}"
+            column = COLUMNS[name]
+            low, high = (f"{column.in_shown_unit(end):.4g}" for end in self.ranges[name])
+            for point in np.flatnonzero(out):
+                value = column.in_shown_unit(factors.column(name)[point])
+                notes[point] += (
+                    f"; {column.text_symbol} = {value:.4g} {column.shown_unit} "
+                    f"outside {low} … {high} {column.shown_unit}"
+                )
         return [note.removeprefix("; ") for note in notes]
 
 

@@ -59,13 +59,17 @@ def _with_verdict(claim: pd.Series, values: Mapping[str, Any]) -> pd.Series:
     if needed and values[size] < needed:
         words = size.replace("_", " ")
         claim["verdict"] = f"undecided with {values[size]} of the paper's {needed} {words}"
-    elif claim["lower"] <= ours <= claim["upper"]:
-        claim["verdict"] = f"agrees {claim['within']}"
     else:
-        claim["verdict"] = f"differs because {claim['because']}"
+        agrees = claim["lower"] <= ours <= claim["upper"]
+        claim["verdict"] = verdict_text(agrees, within=claim["within"], because=claim["because"])
     for text in ("ours", "explanation"):
         claim[text] = re.sub(r"-(?=\d)", "−", claim[text].format(value=ours, **values))
     return claim
+
+
+def verdict_text(agrees: bool, *, within: str, because: str) -> str:
+    """Return the verdict on a claim with its criterion, and the reason where it differs."""
+    return f"agrees {within}" if agrees else f"differs (would agree {within}) because {because}"
 
 
 def _two_factor_values(results: Results) -> ClaimValues:

@@ -62,6 +62,8 @@ _NUMBER_PATTERN = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−+]?\d+)?")
 
 MAX_SAMPLED_ROWS = 25
 """Rows of a table that a reference keeps; least, mean and largest stand for the others."""
+MAX_FORCES_ALL_KEPT = 100
+"""Forces of a plan of which a reference keeps every one: of the screen and the positions."""
 FIT_OF_DESIGN = {
     "two_factor": "screen",
     "four_factor": "four_factor",
@@ -176,7 +178,11 @@ def check_page(results: Results, *, reference: str) -> Page:
     """Every quantity of a study beside those of the reference in a folder."""
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
-    values = {"summary": passed_and_failed_text(table), "table": shown}
+    values = {
+        "summary": passed_and_failed_text(table),
+        "table": shown,
+        "plan_size": MAX_FORCES_ALL_KEPT,
+    }
     return Page(values, {"csv": table, "text": f"{terminal_text(table, results.folder)}\n"})
 
 
@@ -419,7 +425,8 @@ def column_quantities(
     TOLERANCE_KIND_OF_QUANTITY.
 
     Of a longer table, MAX_SAMPLED_ROWS rows evenly spaced are kept, and of its columns of numbers
-    the least, the mean and the largest value.
+    the least, the mean and the largest value; but of a plan's forces, up to MAX_FORCES_ALL_KEPT of
+    them, every one.
     """
     yield CheckedQuantity(part, item, "rows", {"rows": str(len(table))})
     for name in map(str, table):
@@ -430,15 +437,17 @@ def column_quantities(
             if re.fullmatch(pattern, column_path)
         )
         kind = next(kinds, "derived" if column.dtype == float else None)
-        cells = _sampled_cell_texts(column)
-        if kind and len(table) > MAX_SAMPLED_ROWS:
+        every = (part, name) == ("simulations", "force_n") and len(table) <= MAX_FORCES_ALL_KEPT
+        rows = len(table) if every else MAX_SAMPLED_ROWS
+        cells = _sampled_cell_texts(column, rows)
+        if kind and len(table) > rows:
             extremes = column.agg(["min", "mean", "max"]).set_axis(["least", "mean", "largest"])
             cells |= {str(name): cell_text(value) for name, value in extremes.items()}
         yield CheckedQuantity(part, item, name, cells, closeness[kind] if kind else ZERO_TOLERANCE)
 
 
-def _sampled_cell_texts(column: pd.Series) -> dict[str, str]:
-    kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, MAX_SAMPLED_ROWS)})
+def _sampled_cell_texts(column: pd.Series, rows: int = MAX_SAMPLED_ROWS) -> dict[str, str]:
+    kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, rows)})
     return {f"row {row + 1}": cell_text(column.iloc[row]) for row in kept}
 
 

@@ -60,7 +60,13 @@ def plot(options: argparse.Namespace) -> None:
     if options.figure.endswith(tables):
         from squeezefilm_workflow.reporting.figures.curve import curve_figure
 
-        return _save_figure_of_table(options.figure, ("h0_m", "hv_m"), curve_figure, options.output)
+        return _save_figure_of_table(
+            options.figure,
+            columns=("h0_m", "hv_m"),
+            optional=FACTOR_COLUMNS,
+            draw=curve_figure,
+            output=options.output,
+        )
     if options.figure == "profile" and options.results and options.results.suffix in tables:
         from squeezefilm_workflow.reporting.figures.maps import (
             REQUIRED_PROFILE_COLUMNS,
@@ -68,7 +74,10 @@ def plot(options: argparse.Namespace) -> None:
         )
 
         return _save_figure_of_table(
-            options.results, REQUIRED_PROFILE_COLUMNS, draw_profile_table, options.output
+            options.results,
+            columns=REQUIRED_PROFILE_COLUMNS,
+            draw=draw_profile_table,
+            output=options.output,
         )
     check_formats(options.output, (*PICTURE_SUFFIXES, ".csv"))
     if options.results is None:
@@ -89,14 +98,16 @@ def plot(options: argparse.Namespace) -> None:
 
 def _save_figure_of_table(
     path: Path | str,
+    *,
     columns: Sequence[str],
+    optional: Sequence[str] = (),
     draw: Callable[[pd.DataFrame], Figure],
     output: Sequence[Path],
 ) -> None:
     from squeezefilm_workflow.reporting.figures import style
 
     check_formats(output, PICTURE_SUFFIXES)
-    table = read_columns(path, columns=columns, optional=FACTOR_COLUMNS)
+    table = read_columns(path, columns=columns, optional=optional)
     with style.figure_style(), prefix_errors(path):
         style.save_figure(draw(table), output)
 
@@ -138,8 +149,9 @@ def recommend(options: argparse.Namespace) -> None:
 
     The amplitude gives the study's target force at its gap (section `extrapolation`), its errors
     are those of `squeezefilm amplitude-for`. The study's candidates must be compared (`snakemake
-    models`). The screen shows the positions with the least and the largest amplitude, errors in per
-    cent, and the fit's file for `squeezefilm amplitude-for`; --output has all, and fractions.
+    models`). The screen shows those of the plan's positions with the least and the largest
+    amplitude; between them it may be larger. Errors are in per cent; the fit's file is for
+    `squeezefilm amplitude-for`. --output has all positions, and errors as fractions.
     """
     from squeezefilm_workflow.reporting.models import recommendation_table
 

@@ -13,6 +13,7 @@ from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import column_label
 from squeezefilm.provenance import provenance_record
+from squeezefilm.tables import read_forces
 from squeezefilm.units import error_text, value_and_error_texts
 from squeezefilm_workflow.reporting.notes import (
     CLAIM_COLUMNS_SHOWN,
@@ -59,7 +60,10 @@ def summary_values(
     Raises InputError for a result that is missing or lacks what it must have.
     """
     config = results.config
-    tables = {plan: results.forces(plan) for plan in plans}
+    # Points of a validation sample may have no force.
+    tables = {
+        plan: read_forces(results.folder / f"simulations/{plan}/forces.csv") for plan in plans
+    }
     sections = config.sections_as_dict("gas", "actuator", "pad", "solver")
     settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting_text)
     on_disc = find_position_columns(next(iter(tables.values()))) == POLAR_COLUMNS
@@ -76,7 +80,9 @@ def summary_values(
         "settings": settings.rename_axis("setting").reset_index(name="value"),
         "tolerance": f"{config.solver.tolerance:g}",
         "largest_error": max(map(max_simulation_error_fraction, tables.values())),
-        "methods": sorted({method for table in tables.values() for method in table["method"]}),
+        "methods": sorted(
+            {method for table in tables.values() for method in table["method"].dropna()}
+        ),
         "device": results.read_json_file("simulations/device.json").get("device", "unknown"),
         "profile_uncertainty": max(results.fit(fit).profile_uncertainty for fit in fits),
         "errors": pd.DataFrame(
@@ -109,6 +115,7 @@ def headline_values(results: Results) -> dict[str, Any]:
     return {
         "study": config.study,
         "point": point,
+        "amplitude_ratio": round(point["hv_m"] / config.screen.hv_m.stop, 6),
         "force": "{} N ± {} N".format(
             *value_and_error_texts(point["force_n"], point["force_error_n"])
         ),
@@ -127,7 +134,7 @@ def headline_values(results: Results) -> dict[str, Any]:
         "measured": config.measurements and results.read_json_file("measurements/summary.json"),
         "amplitudes": _amplitude_rows,
         "target": config.extrapolation,
-        "neglected": _modelling_error_texts(results),
+        "modelling_error": modelling_error_text(results),
         "beyond": results.validity_note,
     }
 
@@ -160,13 +167,21 @@ def _position_texts(table: pd.DataFrame) -> dict[str, pd.Series]:
     }
 
 
-def _modelling_error_texts(results: Results) -> dict[str, Any] | None:
-    """Return the bounds of the modelling error over the screen; None where they are not known."""
+def modelling_error_text(results: Results) -> str:
+    """Return the bounds of the modelling error at the screen's least and largest gap.
+
+    Over all amplitudes of the screen; an empty text where they are not known.
+    """
     table = results.budget("screen")
-    ends = table[MODELLING_ERROR_COLUMNS].to_numpy(dtype=float)
-    if not np.isfinite(ends).all():
-        return None
-    return {"lower": signed_text(ends.min()), "upper": signed_text(ends.max())}
+    if not np.isfinite(table[MODELLING_ERROR_COLUMNS].to_numpy(dtype=float)).all():
+        return ""
+    lower, upper = MODELLING_ERROR_COLUMNS
+    bounds = table.groupby("h0_m").agg({lower: "min", upper: "max"}).iloc[[0, -1]]
+    ends = {
+        f"{signed_text(low)}…{signed_text(high)} % (h0 = {1e6 * h0_m:g} µm)": None
+        for h0_m, low, high in bounds.itertuples()
+    }
+    return " to ".join(ends)
 
 
 def _effect_rows(results: Results) -> pd.DataFrame:

@@ -86,11 +86,14 @@ def with_asymptotic_forces(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.D
 
 
 def with_limit_forces(model: ExpressionModel, points: pd.DataFrame, config: Study) -> pd.DataFrame:
-    """Points with the asymptotic forces that a model uses, computed unless the table has them."""
+    """Points with the asymptotic forces that a model uses, computed unless the table has them.
+
+    With the status of these, in place of that of the points' own forces.
+    """
     if not set(model.column_names) - set(points):
         return points
     limits = with_asymptotic_forces(points, scenes_of_table(points, config))
-    return points.assign(**limits[[*PHYSICS_COLUMN_OF_NAME.values()]])
+    return points.assign(**limits[[*PHYSICS_COLUMN_OF_NAME.values(), "status"]])
 
 
 def limit_table_of_study(config: Study) -> LimitTable:

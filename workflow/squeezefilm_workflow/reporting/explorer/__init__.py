@@ -19,6 +19,7 @@ from squeezefilm.tables import FACTOR_COLUMNS, read_json
 from squeezefilm_workflow.reporting.notes import inertia_page_values
 from squeezefilm_workflow.reporting.pages import render_template
 from squeezefilm_workflow.reporting.results import Results
+from squeezefilm_workflow.reporting.summary import modelling_error_text
 
 FILM_FACTOR_COLUMNS = ["h0_m", "hv_m"]
 LABEL_OF_FIT_SUFFIX = {"_distinct": "distinct points", "_design": "design points"}
@@ -79,6 +80,7 @@ def explorer_page(
     shown = json.dumps(data, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
     code = "\n".join(_model_javascript(name, fit) for name, (fit, _) in models.items())
     texts = {"library": drawing_library, "models": code, "data": shown}
+    texts["modelling_error"] = modelling_error_text(results)
     return render_template("explorer.html", study=config.study, **texts)
 
 

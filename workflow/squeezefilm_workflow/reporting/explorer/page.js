@@ -146,7 +146,7 @@
     const reason = doubt(fit, now, value);
     const error_n = reason ? NaN : errorOf(fit, value);
     const output = byId("force");
-    byId("model").textContent = fit.label;
+    byId("model").textContent = `${fit.label.replace(", ", " (")})`;
     output.value = "";
     if (Number.isFinite(value)) {
       const [digits, error] = toItsError(value, error_n);

@@ -74,7 +74,8 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     )
     if result is None or result.result_column not in table:
         raise InputError(
-            f"there is nothing to draw; a table has one of {', '.join(DRAWN_RESULT_OF_COLUMN)}"
+            f"there is nothing to draw; a table has one of {', '.join(DRAWN_RESULT_OF_COLUMN)}; "
+            "`squeezefilm plot profile FILE` draws the table of a profile"
         )
     factors = [name for name in (*result.factor_columns, *POSITION_COLUMNS) if name in table]
     counts = {name: table[name].nunique() for name in factors}
@@ -106,7 +107,8 @@ def curve_figure(table: pd.DataFrame) -> Figure:
 
 def _factor_value_text(name: str, value: float) -> str:
     column = COLUMNS[name]
-    return f"{column.title.split()[-1]} = {column.in_shown_unit(value):.4g} {column.shown_unit}"
+    number = f"{column.in_shown_unit(value):.4g}".replace("-", "−")
+    return f"{column.title.split()[-1]} = {number} {column.shown_unit}"
 
 
 def _axis_label(name: str) -> str:
