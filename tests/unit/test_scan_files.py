@@ -953,6 +953,46 @@ def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
         smoothed_scan_of_file(path, surface=surface, axisymmetric=False, scale="measured")
 
 
+def off_centre_grid(step: float, offset: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A grid that is not about the disc's centre, which is at 12.5 mm, 11 mm."""
+    line = np.arange(-12 + offset, 12, step)
+    x, y = (values.ravel() for values in np.meshgrid(line, line))
+    x, y = x[(inside := np.hypot(x, y) < 9.9)], y[inside]
+    noise = 0.01 * np.random.default_rng(1).standard_normal(len(x))
+    return x + 12.5, y + 11, np.sinc(0.1098 * np.hypot(x, y)) + noise
+
+
+def test_the_centre_that_is_proposed_is_the_shapes_own(tmp_path):
+    """The middle of the extents misses it by up to half a step: the force was 8 % too large."""
+    path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
+    x, y, u = off_centre_grid(0.9, 0.35)
+    path.write_text(text("x_mm,y_mm,amplitude_um", x, y, u))
+    with pytest.raises(InputError, match="symmetric") as refusal:
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False)
+    _, _, origin = str(refusal.value).partition("origin: [")
+    named = [float(each.removesuffix("mm")) for each in origin.partition("]")[0].split(",")]
+    assert named == pytest.approx([12.5, 11], abs=0.03)
+    origin_m = (named[0] / 1e3, named[1] / 1e3)
+    scan = smoothed_scan_of_file(path, surface=surface, axisymmetric=False, origin_m=origin_m)
+    assert not scan.warnings
+    wrong = smoothed_scan_of_file(
+        path, surface=surface, axisymmetric=False, origin_m=(12.4e-3, 10.9e-3)
+    )
+    assert "0.14 mm from actuator.profile.origin" in wrong.warnings[0]
+
+
+def test_an_origin_that_is_proposed_puts_all_points_on_the_surface(tmp_path):
+    """The same origin was proposed again when it was obeyed: points are off it everywhere."""
+    path = tmp_path / "scan.csv"
+    path.write_text(text("x_mm,y_mm,amplitude_um", 1.07 * X + 30, 1.07 * Y, U))
+    with pytest.raises(InputError, match=r"about .* \[30 mm, 0 mm\], they reach beyond it by 1.5%"):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
+    noise = np.random.default_rng(1).standard_normal(len(X))
+    path.write_text(text("x_mm,y_mm,amplitude_um", 0.95 * X + 30, 0.95 * Y, U + noise))
+    with pytest.raises(InputError, match=r"middle of their extents, which may be 1.9 mm off"):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
+
+
 def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):
     factor = -((2 * np.pi * FREQUENCY_HZ) ** 2)
     path = universal(tmp_path / "scan.unv", unit=factor, ordinate_spec_data_type=12)
