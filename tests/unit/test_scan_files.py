@@ -695,6 +695,47 @@ def test_a_single_frequency_of_columns_is_noted_or_too_far(tmp_path):
         read(tmp_path / "scan.csv", text(header(20110), X, Y, U))
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "NUMERO D'ORDRE: 7 FREQ: {}E+00",
+        "Frequency:\t{} Hz",
+        "# Excitation frequency (Hz): {}",
+        '"Freq(Hz)","{}"',
+        "   Frame: Mode  7: Value =  7.39147E+10 Freq =   {}     (cycles/time)",
+    ],
+)
+def test_the_frequency_above_the_header_is_noted_or_too_far(line, tmp_path):
+    """The shape of another mode was read without a word."""
+    path = tmp_path / "scan.csv"
+    assert read(path, f"{line.format(43270)}\n{PLAIN}").notes[1:] == ()
+    assert "read at 42000 Hz" in read(path, f"{line.format(42000)}\n{PLAIN}").notes
+    with pytest.raises(InputError, match=r"20110 Hz, and the actuator vibrates at 43270 Hz"):
+        read(path, f"{line.format(20110)}\n{PLAIN}")
+    for other in ("Demodulation bandwidth (Hz): 100", "Frequency range: 0 - 80 kHz"):
+        assert "Hz" not in str(read(path, f"# {other}\n{PLAIN}").notes)
+
+
+def test_of_tables_one_after_the_other_that_at_the_frequency_is_read(tmp_path):
+    """As Code_Aster writes modes; a unit may be written into the first header alone."""
+    header, rows = PLAIN.split("\n", 1)
+    header = header.replace("x_mm", "x [mm]")
+    other = text("", X, Y, 3 * abs(Y), PHASE)
+    above = "\n ------>\n NUMERO D'ORDRE: {} FREQ: {}\n\n".format
+    content = f"{above(7, 41203)}{header}{other}{above(8, 4.327e4)}{header.replace(' [mm]', '')}\n"
+    scan = read(tmp_path / "scan.csv", content + rows)
+    same(scan)
+    assert "read at 43270 Hz, of tables at 41203, 43270 Hz" in scan.notes
+
+
+def test_pages_of_one_table_are_joined(tmp_path):
+    """A heading on every page, with a title above it, as APDL prints paths."""
+    header, *rows = PLAIN.splitlines()
+    pages = [[header, *rows[at : at + 50], "", " ***** PATH SUMMARY *****"] for at in (0, 50, 100)]
+    pages.append([header, *rows[150:]])
+    same(read(tmp_path / "scan.csv", "\n".join(line for page in pages for line in page)))
+
+
 def test_of_all_nodes_of_a_body_those_of_the_surface_are_asked_for(tmp_path):
     """Nodes inside lie at no place of the surface's, so that no place has two amplitudes."""
     tilt = 1 + 0.1 * X

@@ -27,6 +27,7 @@ import csv
 import io
 import re
 from collections.abc import Callable, Collection, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,7 @@ from squeezefilm.film.measured.cells import (
 from squeezefilm.film.measured.columns import (
     ALL_UNITS,
     COORDINATE_UNITS,
+    FREQUENCY_UNITS_HZ,
     ROW_STATUS_QUANTITIES,
     UNITS_OF_SCAN_QUANTITY,
     WORDS_OF_MEANING,
@@ -56,6 +58,7 @@ from squeezefilm.film.measured.columns import (
 )
 from squeezefilm.film.measured.scan import (
     FREQUENCY_NEEDED_MESSAGE,
+    MAX_MODE_DISTANCE_FRACTION,
     SAME_POSITION_DISTANCE_M,
     Scan,
     angular_frequency,
@@ -64,7 +67,7 @@ from squeezefilm.film.measured.scan import (
     nearest_spectral_line,
 )
 from squeezefilm.film.measured.validity import valid_rows
-from squeezefilm.headers import normalised_unit
+from squeezefilm.headers import fold_accents, normalised_unit
 from squeezefilm.lazy import pd
 
 SCAN_FORMAT_TEXT = (
@@ -115,6 +118,14 @@ REMEDY_OF_TEXT_PATTERN = {
     r"\AIGOR\s": "an Igor text file; save the waves as delimited text",
 }
 """What such files of text contain, by patterns, and what to do with them."""
+FREQUENCY_LINE_PATTERN = re.compile(
+    r"(?:\A[#%!\s]*|\d\s+)(?:(?:excitation|drive|driving)\s+)?"
+    rf"(?:{'|'.join(WORDS_OF_MEANING['frequency'])})\W*?(?:[\[(]([kmg]?hz)[\])])?[\s\"]*[:=;,\t]"
+    r"[\s\"=]*(\d+(?:[.,]\d*)?(?:e[-+]?\d+)?)\s*([kmg]?hz)?[\s\";,]*(?:\(.*)?$"
+)
+"""How a line above the header tells the frequency of the table."""
+PLAIN_NUMBER_PATTERN = re.compile(r"[-+]?[.,]?\d[\d.,]*(?:[eEdD][-+]?\d+)?$")
+UNIT_IN_BRACKETS_PATTERN = re.compile(r"\s*[\[(][^\[\]()]*[\])]")
 LABVIEW_UNIT_LINE_PREFIX = "Y_Unit_Label"
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
@@ -187,12 +198,13 @@ def read_point_table(
         if problems:
             raise InputError("; and ".join(problems))
     needed = max(taken) + 1
-    for again in range(first, len(lines)):
-        if lines[again] == lines[index] and not COMMENT_PATTERN.match(lines[index]):
-            raise InputError(
-                f"line {again + 1}: the header stands again: a second table; keep the rows of one, "
-                "or join them below one header"
-            )
+    place_columns = [
+        column.column_index for name, column in columns.items() if name in COORDINATE_UNITS
+    ]
+    lines, joined = _lines_of_one_table(
+        lines, index, first, separator, place_columns, frequency_hz=frequency_hz
+    )
+    notes += joined
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
@@ -227,6 +239,79 @@ def read_point_table(
                 f"amplitude"
             )
     return table, lacking.tolist(), [*notes, *missing_points_note(lacking.tolist(), what="line")]
+
+
+def _lines_of_one_table(
+    lines: Sequence[str],
+    index: int,
+    first: int,
+    separator: str,
+    place_columns: Sequence[int],
+    *,
+    frequency_hz: float | None,
+) -> tuple[list[str], list[str]]:
+    """The lines with one table, empty in place of others: all its pages, or that at the frequency.
+
+    Raises:
+        InputError: for a second table of the same places, and one at another frequency.
+    """
+
+    def place(line: str) -> tuple[str, ...]:
+        cells = _split_cells(line, separator)
+        cells = [cells[at] for at in place_columns if at < len(cells)]
+        numbers = len(cells) == len(place_columns) and all(map(PLAIN_NUMBER_PATTERN.match, cells))
+        return tuple(cells) if numbers else ()
+
+    name = UNIT_IN_BRACKETS_PATTERN.sub("", lines[index]).split()
+    starts = [index] + [
+        at
+        for at in range(first, len(lines))
+        if lines[at].split()[:1] == name[:1]
+        and UNIT_IN_BRACKETS_PATTERN.sub("", lines[at]).split() == name
+        and not COMMENT_PATTERN.match(lines[index])
+    ]
+    tables = [range(start + first - index, end) for start, end in pairwise([*starts, len(lines)])]
+    above = [
+        lines[:index],
+        *([lines[at] for at in rows[-MAX_TITLE_LINES - 1 :]] for rows in tables),
+    ]
+    said_hz: list[float | None] = []
+    for part in above[: len(tables)]:  # a page without one is of the last
+        said_hz.append(_frequency_of_lines(part) or (said_hz[-1] if said_hz else None))
+    known_hz = np.array([each for each in said_hz if each])
+    if not len(known_hz) or frequency_hz is None:
+        line_hz, notes = None, []
+    else:
+        line_hz, far = nearest_spectral_line(known_hz, frequency_hz)
+        several = len({*known_hz}) > 1
+        if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION or (far and several):
+            raise InputError(f"a line above the header tells another frequency: {far}")
+        others = f", of tables at {list_text([f'{each:.7g}' for each in known_hz])} Hz" * several
+        notes = [f"read at {line_hz:.7g} Hz{others}"] * (bool(others) or line_hz != frequency_hz)
+    if len(tables) == 1:
+        return list(lines), notes
+    kept, seen = {*range(first)}, dict[tuple[str, ...], int]()
+    for number, (rows, said) in enumerate(zip(tables, said_hz, strict=True)):
+        if line_hz and said != line_hz:
+            continue
+        placed = {at: place(lines[at]) for at in rows}
+        if any(seen.get(each, number) != number for each in placed.values() if each):
+            raise InputError(
+                f"line {starts[number] + 1}: the header stands again: a second table; keep the "
+                "rows of one, or join them below one header"
+            )
+        seen |= {each: number for each in placed.values()}
+        kept |= {at for at, each in placed.items() if each}
+    return [line if at in kept else "" for at, line in enumerate(lines)], notes
+
+
+def _frequency_of_lines(lines: Sequence[str]) -> float | None:
+    """The frequency that the last of some lines with one says: ``FREQ: 4.327E+04``."""
+    for match in map(FREQUENCY_LINE_PATTERN.search, map(fold_accents, reversed(lines))):
+        if match:
+            unit = match[1] or match[3] or "hz"
+            return float(match[2].replace(",", ".")) * FREQUENCY_UNITS_HZ[unit] or None
+    return None
 
 
 def _rows_of_requested_measurement(
