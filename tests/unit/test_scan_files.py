@@ -376,6 +376,41 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
     "units of which one is unknown, of no account": text(
         "X,Y,Amplitude,Phase,Coherence\nmm,mm,µm,deg,p.u.", X, Y, abs(U), PHASE, 0 * X
     ).encode(),
+    "Polytec, a frequency response": text(
+        "Index,X,Y,Vib & Ref1 H1 Magnitude,Vib & Ref1 H1 Phase\n,m,m,m/s / V,deg",
+        *(X, X / 1e3, Y / 1e3, abs(SPEED) / 1e3, PHASE),
+    ).encode(),
+    "ME'scope, frequencies before names": text(
+        "X (in),Y (in),41203 Hz Magnitude (in/lbf),43270 Hz Magnitude (in/lbf),43270 Hz Phase (°)",
+        *(X / 25.4, Y / 25.4, Y, abs(U) / 25.4e3, PHASE),
+    ).encode(),
+    "an acceleration over a force": text(
+        "x_mm,y_mm,Acceleration [m/s²/N],phase_deg", X, Y, IN_G * 9.80665, PHASE
+    ).encode(),
+    "an acceleration over a voltage": text(
+        "x_mm,y_mm,a [g/V],phase_deg", X, Y, IN_G, PHASE
+    ).encode(),
+    "lock-in at f0": text(
+        "Position X (um),Position Y (um),Amplitude f0 (pm),Phase f0 (rad),Amplitude 2f0 (pm)",
+        *(X * 1e3, Y * 1e3, abs(U) * 1e6, np.radians(PHASE), X),
+    ).encode(),
+    "Polish": text(
+        "Promień [mm];Kąt [°];Amplituda [µm];Faza [°]",
+        *(np.hypot(X, Y), np.degrees(np.arctan2(Y, X)), abs(U), PHASE),
+        comma=True,
+    ).encode(),
+    "a mean beside single runs": text(
+        "x_mm,y_mm,Amplitude M1 [um],Amplitude M2 [um],Mittelwert [um],phase_deg",
+        *(X, Y, X, Y, abs(U), PHASE),
+    ).encode(),
+    "LabVIEW, positions in one word": text(
+        "X_Value,PosX [mm],PosY [mm],Vib Amplitude [um],Vib Phase [deg]",
+        *(np.arange(len(X)), X, Y, abs(U), PHASE),
+    ).encode(),
+    "Keyence, peak to peak": text(
+        '"Stage X(mm)","Stage Y(mm)","OUT1 P-P(mm)","Phase(deg)","OUT2 P-P(mm)"',
+        *(X, Y, 2 * abs(U) / 1e3, PHASE, X),
+    ).encode(),
     "COMSOL, amplitude and phase": text(
         "% x         y          solid.uAmpZ (µm)          solid.uPhaseZ (rad)",
         *(X, Y, abs(U), np.radians(PHASE)),
@@ -573,6 +608,7 @@ def test_sign_level_and_status_are_known_in_eight_languages(language, tmp_path):
         ("Zustand", "gültig", "ungültig"),
         ("Valid", "1", "0"),
         ("Overrange", "", "x"),
+        ("Judge", "GO", "--"),
         ("Validité", "oui", "non"),
         ("状態", "良", "不良"),
     ],

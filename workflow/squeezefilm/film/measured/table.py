@@ -125,7 +125,7 @@ FREQUENCY_LINE_PATTERN = re.compile(
 )
 """How a line above the header tells the frequency of the table."""
 PLAIN_NUMBER_PATTERN = re.compile(r"[-+]?[.,]?\d[\d.,]*(?:[eEdD][-+]?\d+)?$")
-UNIT_IN_BRACKETS_PATTERN = re.compile(r"\s*[\[(][^\[\]()]*[\])]")
+UNIT_IN_BRACKETS_PATTERN = re.compile(r"\s*[\[(][^\[\]()]*[\])]|_[mu]?m\b")
 LABVIEW_UNIT_LINE_PREFIX = "Y_Unit_Label"
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
@@ -194,7 +194,7 @@ def read_point_table(
         if any(column.power for column in motion) and frequency_hz is None:
             problems.append(FREQUENCY_NEEDED_MESSAGE)
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
-            problems[-1] += ". Units in names of variables follow an underscore: x_mm"
+            problems[-1] += ". Units in names of variables follow an underscore: x_mm, vz_m_s"
         if problems:
             raise InputError("; and ".join(problems))
     needed = max(taken) + 1
@@ -266,7 +266,7 @@ def _lines_of_one_table(
     starts = [index] + [
         at
         for at in range(first, len(lines))
-        if lines[at].split()[:1] == name[:1]
+        if lines[at].lstrip()[:1] == lines[index].lstrip()[:1]
         and UNIT_IN_BRACKETS_PATTERN.sub("", lines[at]).split() == name
         and not COMMENT_PATTERN.match(lines[index])
     ]
