@@ -784,6 +784,46 @@ def test_of_all_nodes_of_a_body_those_of_the_surface_are_asked_for(tmp_path):
     same(read(tmp_path / "scan.csv", content, rows="Z Location = 8"))
 
 
+def test_a_surface_across_the_plane_of_x_and_y_is_named(tmp_path):
+    """An origin was proposed that another message refused."""
+    header = "X-Position (mm),Y-Position (mm),Z-Position (mm),Gerichtete Verformung (mm)"
+    content = text(header, X, 0 * X + 5, Y, U / 1e3)
+    message = r"'Y-Position \(mm\)' is 5 everywhere, and 'Z-.* is not: .*swap the two names"
+    with pytest.raises(InputError, match=message):
+        read(tmp_path / "scan.csv", content)
+    y, z = "Y-Position (mm)", "Z-Position (mm)"
+    same(read(tmp_path / "scan.csv", content.replace(f"{y},{z}", f"{z},{y}")))
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "message"),
+    [
+        (
+            np.abs(X),
+            np.abs(Y),
+            r"as in x \[mm\].* on one side of x = 0 .*axisymmetric: true.*origin",
+        ),
+        (X + 20, Y + 20, r"as in x \[mm\].* on one side of x = 0 .*axisymmetric: true.*origin"),
+        (X, 0 * Y, r"as in x \[mm\].*; points on a line need .*axisymmetric: true too"),
+        (X, Y, r"as in x \[mm\], y \[mm\], uz \[um\]. Lengths are .*wrong\)$"),
+    ],
+)
+def test_units_and_what_the_places_need_are_asked_for_together(x, y, message, tmp_path):
+    with pytest.raises(InputError, match=message):
+        read(tmp_path / "scan.csv", text("x,y,uz", x, y, U))
+
+
+def test_points_on_an_axis_are_a_line_and_its_wants_are_told_together(tmp_path):
+    path, r = tmp_path / "scan.csv", np.linspace(40, 60, 101)
+    path.write_text(text("x_mm,y_mm,uz_um", r, 0 * r, np.sinc(0.1098 * (r - 50))))
+    wants = r"axisymmetric: true; and line 2: .*origin: \[50 mm, 0 mm\], the middle"
+    with pytest.raises(InputError, match=wants):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
+    marked = with_header("x_mm,y_mm,amplitude_um,phase_deg") + "1,1,-99.9999,0\n"
+    with pytest.raises(InputError, match=r"negative .* marks an invalid row, write nan"):
+        read(path, marked)
+
+
 def test_zeros_of_points_not_measured_are_named(tmp_path):
     path, zeros = tmp_path / "scan.csv", np.random.default_rng(2).random(len(X)) < 0.15
     path.write_text(text("x_mm,y_mm,uz_um", X, Y, np.where(zeros, 0, U)), encoding="utf-8")

@@ -499,8 +499,8 @@ def _fitting_origin_or_unit_note(scan: Scan, surface: Surface) -> str:
         middle_m = (places_m.min(axis=1) + places_m.max(axis=1)) / 2
         half_m = np.ptp(places_m, axis=1) / 2
         slack_m = float(np.max((surface.half_extents_m - half_m)[half_m > 0]))
-        way = f"the middle of their extents, which may be {1e3 * slack_m:.2g} mm off: write the "
-        ways = [(middle_m, f"{way}actuator's true centre")]
+        way = f", which may be {1e3 * slack_m:.2g} mm off: write the actuator's true centre"
+        ways = [(middle_m, "the middle of their extents" + way * (slack_m >= 1e-6))]
         centre = _centre_of_symmetry(scan, middle_m, surface)
         if centre and centre[1] < slack_m / 2:
             way = f"where the shape is symmetric (± {max(1e3 * centre[1], 1e-3):.1g} mm)"

@@ -59,6 +59,7 @@ from squeezefilm.film.measured.columns import (
 from squeezefilm.film.measured.scan import (
     FREQUENCY_NEEDED_MESSAGE,
     MAX_MODE_DISTANCE_FRACTION,
+    MIN_SCAN_POINTS,
     SAME_POSITION_DISTANCE_M,
     Scan,
     angular_frequency,
@@ -74,6 +75,12 @@ SCAN_FORMAT_TEXT = (
     "a row for each point and columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, "
     "amplitude_um"
 )
+
+LINE_HINT_TEXT = (
+    "points on a line need actuator.profile.axisymmetric: true too, if the shape is axisymmetric"
+)
+# Points of a half or a quarter reach so far beyond the axis, as a share of their extent.
+MAX_PART_OVERLAP_FRACTION = 0.05
 
 BLANK_SEPARATOR, WIDE_BLANK_SEPARATOR = " ", "  "
 """Separators: any blanks, and in a header whose names have blanks two or more of them."""
@@ -196,7 +203,8 @@ def read_point_table(
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
             problems[-1] += ". Units in names of variables follow an underscore: x_mm, vz_m_s"
         if problems:
-            raise InputError("; and ".join(problems))
+            also = _line_or_part_hint(lines[first:], separator, columns) if rows is not None else ""
+            raise InputError("; and ".join(problems) + also)
     needed = max(taken) + 1
     place_columns = [
         column.column_index for name, column in columns.items() if name in COORDINATE_UNITS
@@ -239,6 +247,24 @@ def read_point_table(
                 f"amplitude"
             )
     return table, lacking.tolist(), [*notes, *missing_points_note(lacking.tolist(), what="line")]
+
+
+def _line_or_part_hint(rows: Sequence[str], separator: str, columns: dict[str, ScanColumn]) -> str:
+    """What places without known units tell besides: a line, or a part of the surface."""
+    ends = []
+    for column in (columns[name] for name in ("x", "y") if name in columns):
+        cells = [_split_cells(row, separator)[column.column_index :][:1] for row in rows]
+        values = parse_numbers(pd.Series([cell for each in cells for cell in each], dtype=object))
+        ends.append((values.min(), values.max()))
+    if len(columns.keys() & COORDINATE_UNITS) == 1 or (0, 0) in ends:
+        return f"; {LINE_HINT_TEXT}"
+    if any(min(high, -low) < MAX_PART_OVERLAP_FRACTION * (high - low) for low, high in ends):
+        return (
+            "; its points lie on one side of x = 0 or y = 0: if they are a part of the surface, "
+            "write the mirrored points too, or say actuator.profile.axisymmetric: true if the "
+            "shape is; if they are all of it, where its centre is by actuator.profile.origin"
+        )
+    return ""
 
 
 def _lines_of_one_table(
@@ -338,7 +364,7 @@ def _rows_of_requested_measurement(
 def _reject_points_off_surface(
     cells: pd.DataFrame, others: Sequence[ScanColumn], columns: dict[str, ScanColumn]
 ) -> None:
-    """Reject all nodes of a body: many at one height, others at heights far from it."""
+    """Reject all nodes of a body, many at one height, others far from it; and a surface in x-z."""
     for column in others:
         if column.quantity != "height" or "x" not in columns or cells.empty:
             continue
@@ -346,6 +372,14 @@ def _reject_points_off_surface(
             parse_numbers(cells[each.column_index]) * (each.size or columns["x"].size or 1.0)
             for each in (columns["x"], column)
         )
+        flat = [columns[name] for name in ("x", "y") if name in columns]
+        flat = [each for each in flat if cells[each.column_index].nunique() == 1]
+        if len(flat) == 1 and z_m.nunique() > MIN_SCAN_POINTS:
+            raise InputError(
+                f"{flat[0].name!r} is {cells[flat[0].column_index].iloc[0]} everywhere, and "
+                f"{column.name!r} is not: the surface lies across it; swap the two names in the "
+                "header (the motion is that along the surface's normal)"
+            )
         heights = normalise_cells(cells[column.column_index])
         common = heights.mode().iloc[-1]
         at_face = heights == common
@@ -455,7 +489,7 @@ def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     table, lacking, notes = read_point_table(
         path,
         what="scan",
-        form=SCAN_FORMAT_TEXT,
+        form=f"{SCAN_FORMAT_TEXT} ({LINE_HINT_TEXT})",
         complete=_incomplete_scan_problems,
         frequency_hz=frequency_hz,
         rows=rows,
@@ -469,9 +503,8 @@ def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     wrong = {
         "sign must be 1 or -1": sign**2 != 1,
         "a complex amplitude has its phase; leave phase and sign out": (size.imag != 0) & directed,
-        "amplitude must not be negative where phase or sign tells its direction": (size.real < 0)
-        & directed
-        & (not parts),
+        "amplitude must not be negative where phase or sign tells its direction; if it marks an "
+        "invalid row, write nan there": (size.real < 0) & directed & (not parts),
     }
     for problem, where in wrong.items():
         for number in table.index[where][:1]:
