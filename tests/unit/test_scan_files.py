@@ -809,8 +809,9 @@ def test_a_surface_across_the_plane_of_x_and_y_is_named(tmp_path):
     ],
 )
 def test_units_and_what_the_places_need_are_asked_for_together(x, y, message, tmp_path):
+    content = f"{text('x,y,uz', x, y, U)}Total,9,9,9\n"
     with pytest.raises(InputError, match=message):
-        read(tmp_path / "scan.csv", text("x,y,uz", x, y, U))
+        read(tmp_path / "scan.csv", content)
 
 
 def test_points_on_an_axis_are_a_line_and_its_wants_are_told_together(tmp_path):
