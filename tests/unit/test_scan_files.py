@@ -769,7 +769,9 @@ def test_pages_of_one_table_are_joined(tmp_path):
     header, *rows = PLAIN.splitlines()
     pages = [[header, *rows[at : at + 50], "", " ***** PATH SUMMARY *****"] for at in (0, 50, 100)]
     pages.append([header, *rows[150:]])
-    same(read(tmp_path / "scan.csv", "\n".join(line for page in pages for line in page)))
+    scan = read(tmp_path / "scan.csv", "\n".join(line for page in pages for line in page))
+    same(scan)
+    assert scan.notes == (f"{len(pages)} tables with one header joined",)
 
 
 def test_of_all_nodes_of_a_body_those_of_the_surface_are_asked_for(tmp_path):

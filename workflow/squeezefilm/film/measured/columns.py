@@ -13,6 +13,7 @@ import math
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -384,10 +385,10 @@ def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[s
         return list(header)
     units += [""] * (len(header) - len(units))
     return [
-        f"{name} [{unit}]"
+        f"{name} [{cell.strip(' []()')}]"
         if unit in ALL_UNITS or (unit.strip("-") and scan_column_of_cell(name))
         else name
-        for name, unit in zip(header, units, strict=True)
+        for name, unit, cell in zip_longest(header, units, cells, fillvalue="")
     ]
 
 

@@ -207,10 +207,16 @@ def read_point_table(
             raise InputError("; and ".join(problems) + also)
     needed = max(taken) + 1
     place_columns = [
-        column.column_index for name, column in columns.items() if name in COORDINATE_UNITS
+        column.column_index
+        for name, column in columns.items()
+        if name in COORDINATE_UNITS and rows is not None
     ]
+    in_columns = at_frequency or any(
+        each.quantity == "frequency" for each in header_columns(header)
+    )
     lines, joined = _lines_of_one_table(
-        lines, index, first, separator, place_columns, frequency_hz=frequency_hz
+        *(lines, index, first, separator, place_columns),
+        frequency_hz=None if in_columns else frequency_hz,
     )
     notes += joined
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
@@ -297,23 +303,21 @@ def _lines_of_one_table(
         and not COMMENT_PATTERN.match(lines[index])
     ]
     tables = [range(start + first - index, end) for start, end in pairwise([*starts, len(lines)])]
-    above = [
-        lines[:index],
-        *([lines[at] for at in rows[-MAX_TITLE_LINES - 1 :]] for rows in tables),
-    ]
-    said_hz: list[float | None] = []
-    for part in above[: len(tables)]:  # a page without one is of the last
-        said_hz.append(_frequency_of_lines(part) or (said_hz[-1] if said_hz else None))
-    known_hz = np.array([each for each in said_hz if each])
-    if not len(known_hz) or frequency_hz is None:
-        line_hz, notes = None, []
-    else:
+    said_hz = [_frequency_of_lines(lines[:index])]
+    for rows in tables[:-1]:  # a page without one is of the last
+        last = [lines[at] for at in rows[-MAX_TITLE_LINES - 1 :]]
+        said_hz.append(_frequency_of_lines(last) or said_hz[-1])
+    line_hz, notes = None, [f"{len(tables)} tables with one header joined"] * (len(tables) > 1)
+    if frequency_hz and (known_hz := np.array([each for each in said_hz if each])).size:
         line_hz, far = nearest_spectral_line(known_hz, frequency_hz)
         several = len({*known_hz}) > 1
         if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION or (far and several):
             raise InputError(f"a line above the header tells another frequency: {far}")
-        others = f", of tables at {list_text([f'{each:.7g}' for each in known_hz])} Hz" * several
-        notes = [f"read at {line_hz:.7g} Hz{others}"] * (bool(others) or line_hz != frequency_hz)
+        if several:
+            named = list_text([f"{each:.7g}" for each in known_hz])
+            notes = [f"read at {line_hz:.7g} Hz, of tables at {named} Hz"]
+        elif line_hz != frequency_hz:
+            notes.append(f"read at {line_hz:.7g} Hz")
     if len(tables) == 1:
         return list(lines), notes
     kept, seen = {*range(first)}, dict[tuple[str, ...], int]()
@@ -321,7 +325,9 @@ def _lines_of_one_table(
         if line_hz and said != line_hz:
             continue
         placed = {at: place(lines[at]) for at in rows}
-        if any(seen.get(each, number) != number for each in placed.values() if each):
+        if not place_columns or any(
+            seen.get(each, number) != number for each in placed.values() if each
+        ):
             raise InputError(
                 f"line {starts[number] + 1}: the header stands again: a second table; keep the "
                 "rows of one, or join them below one header"
