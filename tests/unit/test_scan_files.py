@@ -10,6 +10,7 @@ from scipy.io import savemat
 
 import squeezefilm as sf
 from squeezefilm.errors import InputError
+from squeezefilm.film.measured.centre import centre_of_symmetry
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import smoothed_scan_of_file
@@ -905,6 +906,11 @@ def test_a_universal_file_is_read_at_the_frequency(tmp_path):
     scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
     same(scan, digits=1e-4)
     assert scan.notes == ("read at 43300 Hz",)
+    along_x = universal(tmp_path / "x.unv", rsp_dir=1).read_text().split("    -1\n")
+    path.write_text(path.read_text() + "    -1\n".join(["", *along_x[5:]]))
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert scan.notes[0] == f"{len(X)} functions along x or y ignored"
 
 
 def test_of_several_references_one_is_asked_for(tmp_path):
@@ -1099,6 +1105,18 @@ def test_the_centre_that_is_proposed_is_the_shapes_own(tmp_path):
         path, surface=surface, axisymmetric=False, origin_m=(12.4e-3, 10.9e-3)
     )
     assert "0.14 mm from actuator.profile.origin" in wrong.warnings[0]
+
+
+def test_waves_along_lines_tell_no_centre():
+    """Their shape is symmetric about every point of a crest, whatever noise makes of it."""
+    lines_m = np.meshgrid(np.arange(-28, 28.1, 2) / 1e3, np.arange(-18, 18.1, 2) / 1e3)
+    x_m, y_m = (each.ravel() for each in lines_m)
+    plate = Rectangle(0.06, 0.04)
+    orders = plate.orders_up_to(12)
+    for seed in range(4):
+        noise = 0.04 * np.random.default_rng(seed).standard_normal(len(x_m))
+        u = np.cos(2 * np.pi * (x_m + 0.3 * y_m) / 0.024 + 0.7) + noise
+        assert centre_of_symmetry(x_m, y_m, u, plate, orders) is None
 
 
 def test_an_origin_that_is_proposed_puts_all_points_on_the_surface(tmp_path):

@@ -17,7 +17,7 @@ from squeezefilm.film.surfaces import Disc, ModeOrders, Surface
 # share of its rms amplitude.
 MAX_SYMMETRIC_RESIDUAL_RATIO, MAX_SYMMETRIC_RESIDUAL_FRACTION = 1.2, 0.003
 # More points are not looked at; and a shape along lines has a centre on one of them anywhere.
-MAX_POINTS, MAX_CONDITION_NUMBER = 2000, 1e4
+MAX_POINTS, MAX_CONDITION_NUMBER = 2000, 100
 NORMAL_QUANTILE_95 = 1.96
 
 

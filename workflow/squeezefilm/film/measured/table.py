@@ -256,7 +256,7 @@ def read_point_table(
 
 
 def _line_or_part_hint(rows: Sequence[str], separator: str, columns: dict[str, ScanColumn]) -> str:
-    """What places without known units tell besides: a line, or a part of the surface."""
+    """A hint by places without known units: they are a line, or a part of the surface."""
     ends, rows = [], [row for row in rows if not WORD_LINE_PATTERN.match(row.strip())]
     for column in (columns[name] for name in ("x", "y") if name in columns):
         cells = [_split_cells(row, separator)[column.column_index :][:1] for row in rows]
