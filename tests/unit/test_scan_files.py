@@ -10,6 +10,7 @@ from scipy.io import savemat
 
 import squeezefilm as sf
 from squeezefilm.errors import InputError
+from squeezefilm.film.measured.centre import centre_of_symmetry
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import smoothed_scan_of_file
@@ -376,6 +377,41 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
     "units of which one is unknown, of no account": text(
         "X,Y,Amplitude,Phase,Coherence\nmm,mm,µm,deg,p.u.", X, Y, abs(U), PHASE, 0 * X
     ).encode(),
+    "Polytec, a frequency response": text(
+        "Index,X,Y,Vib & Ref1 H1 Magnitude,Vib & Ref1 H1 Phase\n,m,m,m/s / V,deg",
+        *(X, X / 1e3, Y / 1e3, abs(SPEED) / 1e3, PHASE),
+    ).encode(),
+    "ME'scope, frequencies before names": text(
+        "X (in),Y (in),41203 Hz Magnitude (in/lbf),43270 Hz Magnitude (in/lbf),43270 Hz Phase (°)",
+        *(X / 25.4, Y / 25.4, Y, abs(U) / 25.4e3, PHASE),
+    ).encode(),
+    "an acceleration over a force": text(
+        "x_mm,y_mm,Acceleration [m/s²/N],phase_deg", X, Y, IN_G * 9.80665, PHASE
+    ).encode(),
+    "an acceleration over a voltage": text(
+        "x_mm,y_mm,a [g/V],phase_deg", X, Y, IN_G, PHASE
+    ).encode(),
+    "lock-in at f0": text(
+        "Position X (um),Position Y (um),Amplitude f0 (pm),Phase f0 (rad),Amplitude 2f0 (pm)",
+        *(X * 1e3, Y * 1e3, abs(U) * 1e6, np.radians(PHASE), X),
+    ).encode(),
+    "Polish": text(
+        "Promień [mm];Kąt [°];Amplituda [µm];Faza [°]",
+        *(np.hypot(X, Y), np.degrees(np.arctan2(Y, X)), abs(U), PHASE),
+        comma=True,
+    ).encode(),
+    "a mean beside single runs": text(
+        "x_mm,y_mm,Amplitude M1 [um],Amplitude M2 [um],Mittelwert [um],phase_deg",
+        *(X, Y, X, Y, abs(U), PHASE),
+    ).encode(),
+    "LabVIEW, positions in one word": text(
+        "X_Value,PosX [mm],PosY [mm],Vib Amplitude [um],Vib Phase [deg]",
+        *(np.arange(len(X)), X, Y, abs(U), PHASE),
+    ).encode(),
+    "Keyence, peak to peak": text(
+        '"Stage X(mm)","Stage Y(mm)","OUT1 P-P(mm)","Phase(deg)","OUT2 P-P(mm)"',
+        *(X, Y, 2 * abs(U) / 1e3, PHASE, X),
+    ).encode(),
     "COMSOL, amplitude and phase": text(
         "% x         y          solid.uAmpZ (µm)          solid.uPhaseZ (rad)",
         *(X, Y, abs(U), np.radians(PHASE)),
@@ -573,6 +609,7 @@ def test_sign_level_and_status_are_known_in_eight_languages(language, tmp_path):
         ("Zustand", "gültig", "ungültig"),
         ("Valid", "1", "0"),
         ("Overrange", "", "x"),
+        ("Judge", "GO", "--"),
         ("Validité", "oui", "non"),
         ("状態", "良", "不良"),
     ],
@@ -695,6 +732,49 @@ def test_a_single_frequency_of_columns_is_noted_or_too_far(tmp_path):
         read(tmp_path / "scan.csv", text(header(20110), X, Y, U))
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "NUMERO D'ORDRE: 7 FREQ: {}E+00",
+        "Frequency:\t{} Hz",
+        "# Excitation frequency (Hz): {}",
+        '"Freq(Hz)","{}"',
+        "   Frame: Mode  7: Value =  7.39147E+10 Freq =   {}     (cycles/time)",
+    ],
+)
+def test_the_frequency_above_the_header_is_noted_or_too_far(line, tmp_path):
+    """The shape of another mode was read without a word."""
+    path = tmp_path / "scan.csv"
+    assert read(path, f"{line.format(43270)}\n{PLAIN}").notes[1:] == ()
+    assert "read at 42000 Hz" in read(path, f"{line.format(42000)}\n{PLAIN}").notes
+    with pytest.raises(InputError, match=r"20110 Hz, and the actuator vibrates at 43270 Hz"):
+        read(path, f"{line.format(20110)}\n{PLAIN}")
+    for other in ("Demodulation bandwidth (Hz): 100", "Frequency range: 0 - 80 kHz"):
+        assert "Hz" not in str(read(path, f"# {other}\n{PLAIN}").notes)
+
+
+def test_of_tables_one_after_the_other_that_at_the_frequency_is_read(tmp_path):
+    """As Code_Aster writes modes; a unit may be written into the first header alone."""
+    header, rows = PLAIN.split("\n", 1)
+    header = header.replace("x_mm", "x [mm]")
+    other = text("", X, Y, 3 * abs(Y), PHASE)
+    above = "\n ------>\n NUMERO D'ORDRE: {} FREQ: {}\n\n".format
+    content = f"{above(7, 41203)}{header}{other}{above(8, 4.327e4)}{header.replace(' [mm]', '')}\n"
+    scan = read(tmp_path / "scan.csv", content + rows)
+    same(scan)
+    assert "read at 43270 Hz, of tables at 41203, 43270 Hz" in scan.notes
+
+
+def test_pages_of_one_table_are_joined(tmp_path):
+    """A heading on every page, with a title above it, as APDL prints paths."""
+    header, *rows = PLAIN.splitlines()
+    pages = [[header, *rows[at : at + 50], "", " ***** PATH SUMMARY *****"] for at in (0, 50, 100)]
+    pages.append([header, *rows[150:]])
+    scan = read(tmp_path / "scan.csv", "\n".join(line for page in pages for line in page))
+    same(scan)
+    assert scan.notes == (f"{len(pages)} tables with one header joined",)
+
+
 def test_of_all_nodes_of_a_body_those_of_the_surface_are_asked_for(tmp_path):
     """Nodes inside lie at no place of the surface's, so that no place has two amplitudes."""
     tilt = 1 + 0.1 * X
@@ -705,6 +785,47 @@ def test_of_all_nodes_of_a_body_those_of_the_surface_are_asked_for(tmp_path):
     with pytest.raises(InputError, match=r"heights.*rows: Z Location = 8 or another"):
         read(tmp_path / "scan.csv", content)
     same(read(tmp_path / "scan.csv", content, rows="Z Location = 8"))
+
+
+def test_a_surface_across_the_plane_of_x_and_y_is_named(tmp_path):
+    """An origin was proposed that another message refused."""
+    header = "X-Position (mm),Y-Position (mm),Z-Position (mm),Gerichtete Verformung (mm)"
+    content = text(header, X, 0 * X + 5, Y, U / 1e3)
+    message = r"'Y-Position \(mm\)' is 5 everywhere, and 'Z-.* is not: .*swap the two names"
+    with pytest.raises(InputError, match=message):
+        read(tmp_path / "scan.csv", content)
+    y, z = "Y-Position (mm)", "Z-Position (mm)"
+    same(read(tmp_path / "scan.csv", content.replace(f"{y},{z}", f"{z},{y}")))
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "message"),
+    [
+        (
+            np.abs(X),
+            np.abs(Y),
+            r"as in x \[mm\].* on one side of x = 0 .*axisymmetric: true.*origin",
+        ),
+        (X + 20, Y + 20, r"as in x \[mm\].* on one side of x = 0 .*axisymmetric: true.*origin"),
+        (X, 0 * Y, r"as in x \[mm\].*; points on a line need .*axisymmetric: true too"),
+        (X, Y, r"as in x \[mm\], y \[mm\], uz \[um\]. Lengths are .*wrong\)$"),
+    ],
+)
+def test_units_and_what_the_places_need_are_asked_for_together(x, y, message, tmp_path):
+    content = f"{text('x,y,uz', x, y, U)}Total,9,9,9\n"
+    with pytest.raises(InputError, match=message):
+        read(tmp_path / "scan.csv", content)
+
+
+def test_points_on_an_axis_are_a_line_and_its_wants_are_told_together(tmp_path):
+    path, r = tmp_path / "scan.csv", np.linspace(40, 60, 101)
+    path.write_text(text("x_mm,y_mm,uz_um", r, 0 * r, np.sinc(0.1098 * (r - 50))))
+    wants = r"axisymmetric: true; and line 2: .*origin: \[50 mm, 0 mm\], the middle"
+    with pytest.raises(InputError, match=wants):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
+    marked = with_header("x_mm,y_mm,amplitude_um,phase_deg") + "1,1,-99.9999,0\n"
+    with pytest.raises(InputError, match=r"negative .* marks an invalid row, write nan"):
+        read(path, marked)
 
 
 def test_zeros_of_points_not_measured_are_named(tmp_path):
@@ -785,6 +906,11 @@ def test_a_universal_file_is_read_at_the_frequency(tmp_path):
     scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
     same(scan, digits=1e-4)
     assert scan.notes == ("read at 43300 Hz",)
+    along_x = universal(tmp_path / "x.unv", rsp_dir=1).read_text().split("    -1\n")
+    path.write_text(path.read_text() + "    -1\n".join(["", *along_x[5:]]))
+    scan = read_scan(path, frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert scan.notes[0] == f"{len(X)} functions along x or y ignored"
 
 
 def test_of_several_references_one_is_asked_for(tmp_path):
@@ -951,6 +1077,58 @@ def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
     path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
     with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
         smoothed_scan_of_file(path, surface=surface, axisymmetric=False, scale="measured")
+
+
+def off_centre_grid(step: float, offset: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A grid that is not about the disc's centre, which is at 12.5 mm, 11 mm."""
+    line = np.arange(-12 + offset, 12, step)
+    x, y = (values.ravel() for values in np.meshgrid(line, line))
+    x, y = x[(inside := np.hypot(x, y) < 9.9)], y[inside]
+    noise = 0.01 * np.random.default_rng(1).standard_normal(len(x))
+    return x + 12.5, y + 11, np.sinc(0.1098 * np.hypot(x, y)) + noise
+
+
+def test_the_centre_that_is_proposed_is_the_shapes_own(tmp_path):
+    """The middle of the extents misses it by up to half a step: the force was 8 % too large."""
+    path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
+    x, y, u = off_centre_grid(0.9, 0.35)
+    path.write_text(text("x_mm,y_mm,amplitude_um", x, y, u))
+    with pytest.raises(InputError, match="symmetric") as refusal:
+        smoothed_scan_of_file(path, surface=surface, axisymmetric=False)
+    _, _, origin = str(refusal.value).partition("origin: [")
+    named = [float(each.removesuffix("mm")) for each in origin.partition("]")[0].split(",")]
+    assert named == pytest.approx([12.5, 11], abs=0.03)
+    origin_m = (named[0] / 1e3, named[1] / 1e3)
+    scan = smoothed_scan_of_file(path, surface=surface, axisymmetric=False, origin_m=origin_m)
+    assert not scan.warnings
+    wrong = smoothed_scan_of_file(
+        path, surface=surface, axisymmetric=False, origin_m=(12.4e-3, 10.9e-3)
+    )
+    assert "0.14 mm from actuator.profile.origin" in wrong.warnings[0]
+
+
+def test_waves_along_lines_tell_no_centre():
+    """Their shape is symmetric about every point of a crest, whatever noise makes of it."""
+    lines_m = np.meshgrid(np.arange(-28, 28.1, 2) / 1e3, np.arange(-18, 18.1, 2) / 1e3)
+    x_m, y_m = (each.ravel() for each in lines_m)
+    plate = Rectangle(0.06, 0.04)
+    orders = plate.orders_up_to(12)
+    for seed in range(4):
+        noise = 0.04 * np.random.default_rng(seed).standard_normal(len(x_m))
+        u = np.cos(2 * np.pi * (x_m + 0.3 * y_m) / 0.024 + 0.7) + noise
+        assert centre_of_symmetry(x_m, y_m, u, plate, orders) is None
+
+
+def test_an_origin_that_is_proposed_puts_all_points_on_the_surface(tmp_path):
+    """The same origin was proposed again when it was obeyed: points are off it everywhere."""
+    path = tmp_path / "scan.csv"
+    path.write_text(text("x_mm,y_mm,amplitude_um", 1.07 * X + 30, 1.07 * Y, U))
+    with pytest.raises(InputError, match=r"about .* \[30 mm, 0 mm\], they reach beyond it by 1.5%"):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
+    noise = np.random.default_rng(1).standard_normal(len(X))
+    path.write_text(text("x_mm,y_mm,amplitude_um", 0.95 * X + 30, 0.95 * Y, U + noise))
+    with pytest.raises(InputError, match=r"middle of their extents, which may be 1.9 mm off"):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
 
 
 def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):

@@ -13,6 +13,7 @@ import math
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -53,8 +54,9 @@ ROW_STATUS_QUANTITIES = ("status", "valid", "invalid")
 UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "height": LENGTH_UNITS_M, "level": {}} | {
     name: {} for name in ROW_STATUS_QUANTITIES
 }
+UNITS_OF_QUANTITY["mean"] = dict(MOTION_UNITS)
 """The same, with the amplitude along z, what rows of a place may differ by, a place on a line or
-along z, a motion in decibels, and whether a row is valid."""
+along z, a motion in decibels, whether a row is valid, and the mean of several motions."""
 MOTION_QUANTITIES = {name for name, units in UNITS_OF_QUANTITY.items() if units is MOTION_UNITS}
 ALL_UNITS = {*MOTION_UNITS, *ANGLE_UNITS_RAD, *FREQUENCY_UNITS_HZ, "s"}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
@@ -64,6 +66,8 @@ AT_FREQUENCY_PATTERN = re.compile(
     r"@.*freq[^=]*=\s*(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:[-+][-+\d.eE]+i)?\s*([A-Za-z]*)"
 )
 """How a program writes the frequency at which a column was solved, of a mode a complex one."""
+LEADING_FREQUENCY_PATTERN = re.compile(r"\A\W*(\d+(?:\.\d*)?)\s*([kM]?Hz)\b(?=.*\w)", re.IGNORECASE)
+"""The same before a name: ``43270 Hz Magnitude``."""
 DECIBELS_PATTERN = re.compile(
     r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*"
     r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*(?: \S+)?)"
@@ -88,6 +92,7 @@ MOTION_WORDS, COMPONENT_WORDS = (
     {*WORDS_OF_MEANING["normal"]}.union(*MOTION_WORDS_BY_KIND),
     {*WORDS_OF_MEANING["component"]},
 )
+VIBRATION_WORDS = MOTION_WORDS | {"vib", "vibration"}
 DIRECTION_WORDS, IGNORED_WORDS = {*WORDS_OF_MEANING["direction"]}, {*WORDS_OF_MEANING["beside"]}
 # The motion that letters alone are, by the power of the angular frequency, if their unit fits.
 OMEGA_POWER_OF_LETTER = {"u": 0, "dz": 0, "v": 1, "a": 2}
@@ -129,7 +134,9 @@ class ScanColumn:
     @property
     def frequency_hz(self) -> float | None:
         """The frequency that the name says, if any: ``w (um) @ freq=43270``."""
-        if match := AT_FREQUENCY_PATTERN.search(self.name):
+        if match := (
+            AT_FREQUENCY_PATTERN.search(self.name) or LEADING_FREQUENCY_PATTERN.search(self.name)
+        ):
             return float(match[1]) * FREQUENCY_UNITS_HZ.get(match[2].lower(), 1.0)
         return None
 
@@ -137,7 +144,7 @@ class ScanColumn:
 def quantity_of_words(words: Sequence[str]) -> str | None:
     """The quantity that words name; None for one that a scan does not have."""
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS_OF_MEANING["line"]} or {*words[:1]}
-    if core & MOTION_WORDS:
+    if {*words} & VIBRATION_WORDS:
         core -= {*WORDS_OF_MEANING["beside_motion"]}
     if quantity := QUANTITY_OF_WORDS.get(frozenset(words)) or QUANTITY_OF_WORDS.get(
         frozenset(core)
@@ -159,7 +166,8 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
 def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
     for words, unit in possible_words_and_units(
-        RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", name), ALL_UNITS
+        RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", LEADING_FREQUENCY_PATTERN.sub("", name)),
+        ALL_UNITS,
     ):
         words, ratio = _split_amplitude_factor(words)
         quantity = quantity_of_words(words)
@@ -254,7 +262,8 @@ def _is_labview_x_value(column: ScanColumn) -> bool:
 def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> list[ScanColumn]:
     """Columns with those whose words tell what they are only where no other column is it.
 
-    These are a position without a direction, and, as the motion, letters without a unit and levels.
+    These are a position without a direction, and, as the motion, letters without a unit, a mean of
+    several columns and levels.
     """
     known = {column.quantity for column in named}
     if not known & {*COORDINATE_UNITS}:
@@ -269,7 +278,8 @@ def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> l
         for each in named
         if each.quantity == "level"
     ]
-    return named + (letters or levels)
+    means = [replace(each, quantity="amplitude") for each in named if each.quantity == "mean"]
+    return named + (letters or means or levels)
 
 
 def _motion_column_of_letter(name: str, place: int) -> ScanColumn | None:
@@ -375,10 +385,10 @@ def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[s
         return list(header)
     units += [""] * (len(header) - len(units))
     return [
-        f"{name} [{unit}]"
+        f"{name} [{cell.strip(' []()')}]"
         if unit in ALL_UNITS or (unit.strip("-") and scan_column_of_cell(name))
         else name
-        for name, unit in zip(header, units, strict=True)
+        for name, unit, cell in zip_longest(header, units, cells, fillvalue="")
     ]
 
 

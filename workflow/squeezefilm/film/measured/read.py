@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
-from squeezefilm.film.measured.scan import MIN_SCAN_POINTS, Scan
+from squeezefilm.film.measured.scan import MIN_SCAN_POINTS, SAME_POSITION_DISTANCE_M, Scan
 from squeezefilm.film.measured.table import read_table
 from squeezefilm.film.measured.universal import read_universal_file
 
@@ -43,7 +43,9 @@ def read_scan(
         )
         scan = reader(path, frequency_hz, rows)
     x_m, y_m = scan.x_m - origin_m[0], scan.y_m - origin_m[1]
-    scan = replace(scan, x_m=x_m, y_m=y_m, origin_m=origin_m)
+    on_axis = any(np.all(np.abs(each) < SAME_POSITION_DISTANCE_M) for each in (x_m, y_m))
+    is_radial = scan.is_radial or on_axis
+    scan = replace(scan, x_m=x_m, y_m=y_m, origin_m=origin_m, is_radial=is_radial)
     points = len(scan.x_m)
     raise_first_problem(
         path,

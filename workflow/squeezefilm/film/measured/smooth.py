@@ -31,6 +31,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
 from squeezefilm.files import atomic_file, file_digest
+from squeezefilm.film.measured.centre import centre_of_symmetry
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import SAME_POSITION_DISTANCE_M, Scan
 from squeezefilm.film.profiles import ModeSum, largest_magnitude
@@ -75,6 +76,11 @@ UNSIGNED_WARNING = (
 # A scan of a smaller share of its surface's radius or half side has another unit, if it fits then;
 # and by how much points may miss a surface that is only to be told.
 MIN_SCAN_EXTENT_FRACTION, EXTENT_TOLERANCE_FRACTION = 0.1, 0.03
+EDGE_TOLERANCE_FRACTION = 1e-6
+# About the middle of their extents, which may be off by half their distance, they miss it by more.
+MIDDLE_TOLERANCE_FRACTION = 0.1
+# An origin is doubted that is so much further from the shape's centre than this may be off.
+MIN_ORIGIN_OFFSET_FRACTION = 0.005
 # More points are not fitted: enough for all modes to be known to a hundredth of the noise.
 MAX_FITTED_POINTS, THINNING_SEED = 20_000, 1
 
@@ -206,11 +212,11 @@ def smooth_scan(
     Raises InputError naming the file, and what its points do not determine.
     """
     check_points(scan, surface, axisymmetric=axisymmetric, sign=sign)
+    scan = replace(scan, notes=(*scan.notes, *_origin_note(scan, surface)))
     scan = limit_point_count(average_repeated_points(scan))
     points = ScanPoints(surface, axisymmetric, scan.x_m, scan.y_m)
-    # The phase that holds most is half that of Σ u² (the ellipse's major axis). Re u e^(iωt) is
-    # both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
-    measured = scan.amplitude_m * np.exp(-0.5j * np.angle(np.sum(scan.amplitude_m**2)))
+    # Re u e^(iωt) is both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
+    measured = _turned_to_main_phase(scan.amplitude_m)
     quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
     with prefix_errors(scan.path):
         fit, kept, fitted = _fit_without_outliers(points, scan.lines, measured.real)
@@ -459,24 +465,21 @@ def check_points(
     scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str, scale: str = "surface"
 ) -> None:
     """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
-    raise_first_problem(
-        scan.path,
-        {
-            "the amplitudes have no phase and no sign: across a node line they would be those of "
-            "another surface. Give a column phase_deg or sign, or say actuator.profile.sign: "
-            "unknown if the surface has no node line": not scan.has_phase_or_sign
-            and sign != "unknown",
-            surface.line_scan_problem: scan.is_radial and not axisymmetric,
-        },
-    )
     reach = surface.relative_distance(scan.x_m, scan.y_m)
-    for row in np.flatnonzero(reach > 1 + 1e-6)[:1]:
-        raise InputError(
-            f"{scan.path}: line {scan.lines[row]}: the point lies "
-            f"{surface.position_text(scan.x_m[row], scan.y_m[row])}, off the actuator's "
-            f"{surface.text} "
-            f"({surface.config_key}){_fitting_origin_or_unit_note(scan, surface)}"
-        )
+    problems = [
+        "the amplitudes have no phase and no sign: across a node line they would be those of "
+        "another surface. Give a column phase_deg or sign, or say actuator.profile.sign: "
+        "unknown if the surface has no node line"
+    ] * (not scan.has_phase_or_sign and sign != "unknown")
+    problems += [surface.line_scan_problem] * (scan.is_radial and not axisymmetric)
+    problems += [
+        f"line {scan.lines[row]}: the point lies "
+        f"{surface.position_text(scan.x_m[row], scan.y_m[row])}, off the actuator's "
+        f"{surface.text} ({surface.config_key}){_fitting_origin_or_unit_note(scan, surface)}"
+        for row in np.flatnonzero(reach > 1 + EDGE_TOLERANCE_FRACTION)[:1]
+    ]
+    if problems:
+        raise InputError(f"{scan.path}: {'; and '.join(problems)}")
     if (
         hint := _fitting_origin_or_unit_note(scan, surface)
         if reach.max() < MIN_SCAN_EXTENT_FRACTION
@@ -491,17 +494,29 @@ def check_points(
 def _fitting_origin_or_unit_note(scan: Scan, surface: Surface) -> str:
     """The origin or the unit of positions by which a scan would cover its surface, if any."""
     reach = float(surface.relative_distance(scan.x_m, scan.y_m).max())
-    x_m, y_m = (0.5 * (np.min(each) + np.max(each)) for each in (scan.x_m, scan.y_m))
-    if (
-        reach > 1
-        and np.max(surface.relative_distance(scan.x_m - x_m, scan.y_m - y_m))
-        <= 1 + EXTENT_TOLERANCE_FRACTION
-    ):
-        middle = [f"{1e3 * at:.4g} mm" for at in np.add(scan.origin_m, [x_m, y_m])]
-        return (
-            f"; all lie on it with actuator.profile.origin: [{', '.join(middle)}], the middle of "
-            "their extents"
-        )
+    if reach > 1:
+        places_m = np.stack([scan.x_m, scan.y_m])
+        middle_m = (places_m.min(axis=1) + places_m.max(axis=1)) / 2
+        half_m = np.ptp(places_m, axis=1) / 2
+        slack_m = float(np.max((surface.half_extents_m - half_m)[half_m > 0]))
+        way = f", which may be {1e3 * slack_m:.2g} mm off: write the actuator's true centre"
+        ways = [(middle_m, "the middle of their extents" + way * (slack_m >= 1e-6))]
+        centre = _centre_of_symmetry(scan, middle_m, surface)
+        if centre and centre[1] < slack_m / 2:
+            way = f"where the shape is symmetric (± {max(1e3 * centre[1], 1e-3):.1g} mm)"
+            ways.insert(0, (middle_m + centre[0], way))
+        for place_m, way in ways:
+            place_m = np.round(place_m + scan.origin_m, 6) + 0.0  # as in the message
+            x_m, y_m = place_m - scan.origin_m
+            beyond = surface.relative_distance(scan.x_m - x_m, scan.y_m - y_m).max() - 1
+            named = "[" + ", ".join(f"{1e3 * each:.6g} mm" for each in place_m) + "]"
+            if beyond <= EDGE_TOLERANCE_FRACTION:
+                return f"; all lie on it with actuator.profile.origin: {named}, {way}"
+        if beyond <= EXTENT_TOLERANCE_FRACTION:
+            return (
+                f"; about the middle of their extents, {named}, they reach beyond it by "
+                f"{beyond:.1%}: correct {surface.config_key} too"
+            )
     for factor, text in ((1e3, "1000 times larger"), (1e-3, "1000 times smaller")):
         if MIN_SCAN_EXTENT_FRACTION < factor * reach <= 1 + EXTENT_TOLERANCE_FRACTION:
             return (
@@ -509,6 +524,43 @@ def _fitting_origin_or_unit_note(scan: Scan, surface: Surface) -> str:
                 "universal file by data set 164, without which it is m)"
             )
     return ""
+
+
+def _centre_of_symmetry(
+    scan: Scan, start_m: np.ndarray, surface: Surface
+) -> tuple[np.ndarray, float] | None:
+    """The shape's centre of symmetry from a place in the scan, and its error, if it has one."""
+    x_m, y_m = scan.x_m - start_m[0], scan.y_m - start_m[1]
+    if surface.relative_distance(x_m, y_m).max() > 1 + MIDDLE_TOLERANCE_FRACTION:
+        return None
+    scan = limit_point_count(average_repeated_points(replace(scan, x_m=x_m, y_m=y_m)))
+    measured = _turned_to_main_phase(scan.amplitude_m).real
+    try:
+        fit = best_mode_fit(ScanPoints(surface, scan.is_radial, scan.x_m, scan.y_m), measured)
+    except InputError:
+        return None
+    return centre_of_symmetry(scan.x_m, scan.y_m, measured, surface, fit.orders)
+
+
+def _origin_note(scan: Scan, surface: Surface) -> list[str]:
+    """A note where the shape is symmetric about another place than the origin that is given."""
+    if scan.origin_m == (0.0, 0.0):
+        return []
+    place_m, error_m = _centre_of_symmetry(scan, np.zeros(2), surface) or (np.zeros(2), 0.0)
+    away_m = float(np.hypot(*place_m))
+    reach = surface.relative_distance(scan.x_m - place_m[0], scan.y_m - place_m[1]).max()
+    sure = away_m > error_m + MIN_ORIGIN_OFFSET_FRACTION * surface.half_extents_m[0]
+    x_mm, y_mm = 1e3 * (place_m + scan.origin_m)
+    return [
+        f"the shape is symmetric about [{x_mm:.2f} mm, {y_mm:.2f} mm] (± {1e3 * error_m:.1g} mm), "
+        f"{1e3 * away_m:.2f} mm from actuator.profile.origin: if the actuator's centre is there, "
+        "write it; no error here contains this"
+    ] * bool(sure and reach <= 1 + EXTENT_TOLERANCE_FRACTION)
+
+
+def _turned_to_main_phase(amplitude_m: np.ndarray) -> np.ndarray:
+    """Amplitudes turned to the phase that holds most, half that of Σ u² (the major axis)."""
+    return np.asarray(amplitude_m * np.exp(-0.5j * np.angle(np.sum(amplitude_m**2))))
 
 
 def average_repeated_points(scan: Scan) -> Scan:

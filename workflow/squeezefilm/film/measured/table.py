@@ -27,6 +27,7 @@ import csv
 import io
 import re
 from collections.abc import Callable, Collection, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,7 @@ from squeezefilm.film.measured.cells import (
 from squeezefilm.film.measured.columns import (
     ALL_UNITS,
     COORDINATE_UNITS,
+    FREQUENCY_UNITS_HZ,
     ROW_STATUS_QUANTITIES,
     UNITS_OF_SCAN_QUANTITY,
     WORDS_OF_MEANING,
@@ -56,6 +58,8 @@ from squeezefilm.film.measured.columns import (
 )
 from squeezefilm.film.measured.scan import (
     FREQUENCY_NEEDED_MESSAGE,
+    MAX_MODE_DISTANCE_FRACTION,
+    MIN_SCAN_POINTS,
     SAME_POSITION_DISTANCE_M,
     Scan,
     angular_frequency,
@@ -64,13 +68,19 @@ from squeezefilm.film.measured.scan import (
     nearest_spectral_line,
 )
 from squeezefilm.film.measured.validity import valid_rows
-from squeezefilm.headers import normalised_unit
+from squeezefilm.headers import fold_accents, normalised_unit
 from squeezefilm.lazy import pd
 
 SCAN_FORMAT_TEXT = (
     "a row for each point and columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, "
     "amplitude_um"
 )
+
+LINE_HINT_TEXT = (
+    "points on a line need actuator.profile.axisymmetric: true too, if the shape is axisymmetric"
+)
+# Points of a half or a quarter reach so far beyond the axis, as a share of their extent.
+MAX_PART_OVERLAP_FRACTION = 0.05
 
 BLANK_SEPARATOR, WIDE_BLANK_SEPARATOR = " ", "  "
 """Separators: any blanks, and in a header whose names have blanks two or more of them."""
@@ -115,6 +125,14 @@ REMEDY_OF_TEXT_PATTERN = {
     r"\AIGOR\s": "an Igor text file; save the waves as delimited text",
 }
 """What such files of text contain, by patterns, and what to do with them."""
+FREQUENCY_LINE_PATTERN = re.compile(
+    r"(?:\A[#%!\s]*|\d\s+)(?:(?:excitation|drive|driving)\s+)?"
+    rf"(?:{'|'.join(WORDS_OF_MEANING['frequency'])})\W*?(?:[\[(]([kmg]?hz)[\])])?[\s\"]*[:=;,\t]"
+    r"[\s\"=]*(\d+(?:[.,]\d*)?(?:e[-+]?\d+)?)\s*([kmg]?hz)?[\s\";,]*(?:\(.*)?$"
+)
+"""How a line above the header tells the frequency of the table."""
+PLAIN_NUMBER_PATTERN = re.compile(r"[-+]?[.,]?\d[\d.,]*(?:[eEdD][-+]?\d+)?$")
+UNIT_IN_BRACKETS_PATTERN = re.compile(r"\s*[\[(][^\[\]()]*[\])]|_[mu]?m\b")
 LABVIEW_UNIT_LINE_PREFIX = "Y_Unit_Label"
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
@@ -183,16 +201,24 @@ def read_point_table(
         if any(column.power for column in motion) and frequency_hz is None:
             problems.append(FREQUENCY_NEEDED_MESSAGE)
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
-            problems[-1] += ". Units in names of variables follow an underscore: x_mm"
+            problems[-1] += ". Units in names of variables follow an underscore: x_mm, vz_m_s"
         if problems:
-            raise InputError("; and ".join(problems))
+            also = _line_or_part_hint(lines[first:], separator, columns) if rows is not None else ""
+            raise InputError("; and ".join(problems) + also)
     needed = max(taken) + 1
-    for again in range(first, len(lines)):
-        if lines[again] == lines[index] and not COMMENT_PATTERN.match(lines[index]):
-            raise InputError(
-                f"line {again + 1}: the header stands again: a second table; keep the rows of one, "
-                "or join them below one header"
-            )
+    place_columns = [
+        column.column_index
+        for name, column in columns.items()
+        if name in COORDINATE_UNITS and rows is not None
+    ]
+    in_columns = at_frequency or any(
+        each.quantity == "frequency" for each in header_columns(header)
+    )
+    lines, joined = _lines_of_one_table(
+        *(lines, index, first, separator, place_columns),
+        frequency_hz=None if in_columns else frequency_hz,
+    )
+    notes += joined
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
@@ -229,6 +255,97 @@ def read_point_table(
     return table, lacking.tolist(), [*notes, *missing_points_note(lacking.tolist(), what="line")]
 
 
+def _line_or_part_hint(rows: Sequence[str], separator: str, columns: dict[str, ScanColumn]) -> str:
+    """A hint by places without known units: they are a line, or a part of the surface."""
+    ends, rows = [], [row for row in rows if not WORD_LINE_PATTERN.match(row.strip())]
+    for column in (columns[name] for name in ("x", "y") if name in columns):
+        cells = [_split_cells(row, separator)[column.column_index :][:1] for row in rows]
+        values = parse_numbers(pd.Series([cell for each in cells for cell in each], dtype=object))
+        ends.append((values.min(), values.max()))
+    if len(columns.keys() & COORDINATE_UNITS) == 1 or (0, 0) in ends:
+        return f"; {LINE_HINT_TEXT}"
+    if any(min(high, -low) < MAX_PART_OVERLAP_FRACTION * (high - low) for low, high in ends):
+        return (
+            "; its points lie on one side of x = 0 or y = 0: if they are a part of the surface, "
+            "write the mirrored points too, or say actuator.profile.axisymmetric: true if the "
+            "shape is; if they are all of it, where its centre is by actuator.profile.origin"
+        )
+    return ""
+
+
+def _lines_of_one_table(
+    lines: Sequence[str],
+    index: int,
+    first: int,
+    separator: str,
+    place_columns: Sequence[int],
+    *,
+    frequency_hz: float | None,
+) -> tuple[list[str], list[str]]:
+    """The lines with one table, empty in place of others: all its pages, or that at the frequency.
+
+    Raises:
+        InputError: for a second table of the same places, and one at another frequency.
+    """
+
+    def place(line: str) -> tuple[str, ...]:
+        cells = _split_cells(line, separator)
+        cells = [cells[at] for at in place_columns if at < len(cells)]
+        numbers = len(cells) == len(place_columns) and all(map(PLAIN_NUMBER_PATTERN.match, cells))
+        return tuple(cells) if numbers else ()
+
+    name = UNIT_IN_BRACKETS_PATTERN.sub("", lines[index]).split()
+    starts = [index] + [
+        at
+        for at in range(first, len(lines))
+        if lines[at].lstrip()[:1] == lines[index].lstrip()[:1]
+        and UNIT_IN_BRACKETS_PATTERN.sub("", lines[at]).split() == name
+        and not COMMENT_PATTERN.match(lines[index])
+    ]
+    tables = [range(start + first - index, end) for start, end in pairwise([*starts, len(lines)])]
+    said_hz = [_frequency_of_lines(lines[:index])]
+    for rows in tables[:-1]:  # a page without one is of the last
+        last = [lines[at] for at in rows[-MAX_TITLE_LINES - 1 :]]
+        said_hz.append(_frequency_of_lines(last) or said_hz[-1])
+    line_hz, notes = None, [f"{len(tables)} tables with one header joined"] * (len(tables) > 1)
+    if frequency_hz and (known_hz := np.array([each for each in said_hz if each])).size:
+        line_hz, far = nearest_spectral_line(known_hz, frequency_hz)
+        several = len({*known_hz}) > 1
+        if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION or (far and several):
+            raise InputError(f"a line above the header tells another frequency: {far}")
+        if several:
+            named = list_text([f"{each:.7g}" for each in known_hz])
+            notes = [f"read at {line_hz:.7g} Hz, of tables at {named} Hz"]
+        elif line_hz != frequency_hz:
+            notes.append(f"read at {line_hz:.7g} Hz")
+    if len(tables) == 1:
+        return list(lines), notes
+    kept, seen = {*range(first)}, dict[tuple[str, ...], int]()
+    for number, (rows, said) in enumerate(zip(tables, said_hz, strict=True)):
+        if line_hz and said != line_hz:
+            continue
+        placed = {at: place(lines[at]) for at in rows}
+        if not place_columns or any(
+            seen.get(each, number) != number for each in placed.values() if each
+        ):
+            raise InputError(
+                f"line {starts[number] + 1}: the header stands again: a second table; keep the "
+                "rows of one, or join them below one header"
+            )
+        seen |= {each: number for each in placed.values()}
+        kept |= {at for at, each in placed.items() if each}
+    return [line if at in kept else "" for at, line in enumerate(lines)], notes
+
+
+def _frequency_of_lines(lines: Sequence[str]) -> float | None:
+    """The frequency that the last of some lines with one says: ``FREQ: 4.327E+04``."""
+    for match in map(FREQUENCY_LINE_PATTERN.search, map(fold_accents, reversed(lines))):
+        if match:
+            unit = match[1] or match[3] or "hz"
+            return float(match[2].replace(",", ".")) * FREQUENCY_UNITS_HZ[unit] or None
+    return None
+
+
 def _rows_of_requested_measurement(
     cells: pd.DataFrame, others: Sequence[ScanColumn], rows: str
 ) -> tuple[pd.DataFrame, list[ScanColumn]]:
@@ -253,7 +370,7 @@ def _rows_of_requested_measurement(
 def _reject_points_off_surface(
     cells: pd.DataFrame, others: Sequence[ScanColumn], columns: dict[str, ScanColumn]
 ) -> None:
-    """Reject all nodes of a body: many at one height, others at heights far from it."""
+    """Reject all nodes of a body, many at one height, others far from it; and a surface in x-z."""
     for column in others:
         if column.quantity != "height" or "x" not in columns or cells.empty:
             continue
@@ -261,6 +378,14 @@ def _reject_points_off_surface(
             parse_numbers(cells[each.column_index]) * (each.size or columns["x"].size or 1.0)
             for each in (columns["x"], column)
         )
+        flat = [columns[name] for name in ("x", "y") if name in columns]
+        flat = [each for each in flat if cells[each.column_index].nunique() == 1]
+        if len(flat) == 1 and z_m.nunique() > MIN_SCAN_POINTS:
+            raise InputError(
+                f"{flat[0].name!r} is {cells[flat[0].column_index].iloc[0]} everywhere, and "
+                f"{column.name!r} is not: the surface lies across it; swap the two names in the "
+                "header (the motion is that along the surface's normal)"
+            )
         heights = normalise_cells(cells[column.column_index])
         common = heights.mode().iloc[-1]
         at_face = heights == common
@@ -370,7 +495,7 @@ def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     table, lacking, notes = read_point_table(
         path,
         what="scan",
-        form=SCAN_FORMAT_TEXT,
+        form=f"{SCAN_FORMAT_TEXT} ({LINE_HINT_TEXT})",
         complete=_incomplete_scan_problems,
         frequency_hz=frequency_hz,
         rows=rows,
@@ -384,9 +509,8 @@ def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
     wrong = {
         "sign must be 1 or -1": sign**2 != 1,
         "a complex amplitude has its phase; leave phase and sign out": (size.imag != 0) & directed,
-        "amplitude must not be negative where phase or sign tells its direction": (size.real < 0)
-        & directed
-        & (not parts),
+        "amplitude must not be negative where phase or sign tells its direction; if it marks an "
+        "invalid row, write nan there": (size.real < 0) & directed & (not parts),
     }
     for problem, where in wrong.items():
         for number in table.index[where][:1]:

@@ -192,6 +192,8 @@ def _scan_at_frequency(
     omega = angular_frequency(frequency_hz)
     every = [each for each in sets if each.get("type") == FUNCTION_DATASET]
     functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL_DIRECTION] or every
+    beside = [f"{len(every) - len(functions)} functions along x or y ignored"]
+    beside *= len(functions) < len(every)
     functions, aside = _motion_functions(functions, places)
     functions = _functions_of_reference(functions, reference)
     nodes = [int(each["rsp_node"]) for each in functions]
@@ -218,6 +220,7 @@ def _scan_at_frequency(
     signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
     missing, bare = int(np.sum(~seen)), len(places) - len(nodes)
     notes = (
+        *beside,
         *aside,
         f"read at {lines_hz.min():.7g} Hz",
         *[f"{bare} nodes without a function ignored"] * bool(bare),
