@@ -16,7 +16,7 @@ os.environ["PYTHONPATH"] = str(WORKFLOW)  # for the notebook's kernel
 import yaml
 
 from squeezefilm import __version__
-from squeezefilm.cli.main import module_of_command
+from squeezefilm.cli.main import modules_by_command
 from squeezefilm.columns import COLUMNS
 from squeezefilm.config.keys import key_table, study_schema
 from squeezefilm.film.gas import GASES_TABLE_PATH
@@ -150,7 +150,7 @@ def write_generated() -> None:
     for path in sorted((HERE / "data").glob("*.csv")):
         (GENERATED / f"{path.stem}.md").write_text(measured(path), encoding="utf-8")
     helps = []
-    for name in module_of_command():
+    for name in modules_by_command():
         words = [sys.executable, "-m", "squeezefilm", name, "--help"]
         text = subprocess.run(words, capture_output=True, text=True, check=True, cwd=WORKFLOW)
         helps.append(f"## {name}\n\n```text\n{text.stdout}```\n")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from squeezefilm.cli.main import module_of_command
+from squeezefilm.cli.main import modules_by_command
 from squeezefilm_workflow.paper.figures import FIGURES as PAPER_FIGURES
 from squeezefilm_workflow.reporting.figures import FIGURES
 from squeezefilm_workflow.verification.__main__ import COMMAND_GROUPS as VERIFICATION
@@ -51,8 +51,8 @@ def test_what_is_named_is_there(repository, texts):
     targets = {*re.findall(r"^ *(?:rule|checkpoint) (\w+):", rules, re.MULTILINE)}
     figures = {Path(place).name for place in (*FIGURES, *PAPER_FIGURES)}
     known = {
-        "squeezefilm": module_of_command(),
-        "verification": module_of_command(VERIFICATION),
+        "squeezefilm": modules_by_command(),
+        "verification": modules_by_command(VERIFICATION),
         "snakemake": targets | figures,
     }
     for text in texts:

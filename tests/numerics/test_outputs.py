@@ -90,7 +90,7 @@ def test_the_power_put_in_is_what_friction_takes(name: str) -> None:
     """−⟨∫P ∂H/∂T⟩ = (1/σ) ⟨∫Σ c_k H^(3−k) ρ^(−k) |∇P|²⟩ at rest, whatever the gas."""
     scene = FILMS[name]
     fields = on_nodes(scene, points=40, instants=24)
-    loss = -float(fields.mean(fields.gap * dot(fields.velocity, fields.slope))[0])
+    loss = -float(fields.mean(fields.gap * dot(fields.gap_mean_velocity, fields.slope))[0])
     found = outputs(scene, "power")
     unit = FORCE_N * H0_M * scene.actuator.angular_frequency_rad_per_s
     assert found.value["power"] == pytest.approx(unit * loss, rel=1e-5)

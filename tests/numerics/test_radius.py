@@ -126,7 +126,7 @@ def test_errors_fall_along_the_radius():
 def test_a_pressure_that_the_edge_shares_with_the_film_drives_no_flow():
     """What a pressure on the edge adds is the other part of the Laplacian of a constant."""
     grid = Grid(12, 1, 12, True, True)
-    films = Fields.of([disc()], grid, np.zeros((1, 1, *grid.shape)))
+    films = Fields.of([disc()], grid, np.zeros((1, 1, *grid.space_time_shape)))
     films, rise = (
         replace(
             films,

@@ -57,7 +57,7 @@ def fields_of(film: Film, pressure: np.ndarray) -> SimpleNamespace:
         area=1.0,
         gap=gap,
         mass=gap * pressure[None, :, None],
-        velocity=np.stack([velocity, 0 * velocity]),
+        gap_mean_velocity=np.stack([velocity, 0 * velocity]),
         pressure_rate=film.by_t(pressure)[None, :, None],
         t_derivative=film.by_t,
         pad_x_derivative=along,
@@ -183,7 +183,7 @@ def test_velocity_carried_by_the_wall_is_that_of_its_cartesian_parts():
     x, y = (each.reshape(len(grid.x.all_nodes), -1, 1) for each in grid.node_positions)
     swelling = (0.25 - (x - 0.5) ** 2 - (y - 0.5) ** 2) * (1 + x) * np.sin(grid.t.nodes)
     fields = Fields.of([scene], grid, swelling[None, None, 1:-1])
-    v, wall = fields.velocity, wall_velocity(fields)
+    v, wall = fields.gap_mean_velocity, wall_velocity(fields)
     by_wall = fields.to_pad_axes(
         fields.convective_acceleration(v + wall) - fields.convective_acceleration(v)
     )

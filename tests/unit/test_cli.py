@@ -8,11 +8,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from squeezefilm.cli.main import main, module_of_command
+from squeezefilm.cli.main import main, modules_by_command
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.tables import FORCE_COLUMNS, concatenate_force_parts, read_forces, write_table
 
-COMMANDS = module_of_command()
+COMMANDS = modules_by_command()
 
 
 @pytest.mark.parametrize("command", COMMANDS)

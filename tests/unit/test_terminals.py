@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from squeezefilm.cli.main import main, module_of_command
+from squeezefilm.cli.main import main, modules_by_command
 from squeezefilm.files import enable_ascii_substitutes
 from squeezefilm.parallel import show_progress
 
@@ -19,7 +19,7 @@ PRINTED = {
     "config config/quick.yaml": (0, "study: quick"),
     "config config/ñandú-σ.yaml": (2, "there is no such configuration file"),
     "simulate --h0 5µm --hv 1°": (2, "must be a number with its unit: m, mm, um"),
-    **{f"{command} --help": (0, "usage: squeezefilm") for command in module_of_command()},
+    **{f"{command} --help": (0, "usage: squeezefilm") for command in modules_by_command()},
 }
 
 

@@ -31,7 +31,7 @@ from squeezefilm.film.positions import (
     CARTESIAN_COLUMNS,
     POLAR_COLUMNS,
     columns_in_table_form,
-    with_both_coordinates,
+    fill_missing_coordinate,
 )
 from squeezefilm.headers import fold_accents, possible_words_and_units
 from squeezefilm.lazy import pd
@@ -255,7 +255,7 @@ def _read_table(
         problems.append((row, f"point_id {name!r} stands in {word} {first[name]} already"))
     raise_row_problems([f"{source} {lines[row]}: {problem}" for row, problem in sorted(problems)])
     if POLAR_COLUMNS[0] in columns:
-        table = with_both_coordinates(table)
+        table = fill_missing_coordinate(table)
     return (
         table if path.suffix == PARQUET_SUFFIX else table.iloc[chunk_row_slice(*chunk, len(table))]
     )

@@ -17,7 +17,7 @@ from squeezefilm.errors import prefix_errors
 from squeezefilm.film.positions import (
     CARTESIAN_COLUMNS,
     columns_in_table_form,
-    with_both_coordinates,
+    fill_missing_coordinate,
 )
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import validity_text
@@ -163,7 +163,7 @@ def solve_forces(
         budget: whether to estimate the modelling error too, from separate states.
     """
     notes = [tuple(unsupported_auto_term_texts(scene, method=settings.method)) for scene in scenes]
-    (scenes, known_solutions), device = settings.solved(scenes), settings.device
+    (scenes, known_solutions), device = settings.solve_deciding_auto_terms(scenes), settings.device
     solutions = solve_with_settings(
         scenes, settings=settings, derivatives=derivatives, known=known_solutions
     )
@@ -266,7 +266,7 @@ def forces_table(
     """
     rows, names = [], ["force_n", "force_error_n", "method", "status", "validity"]
     if whole:
-        names, points = [*SOLUTION_COLUMNS], with_both_coordinates(points)
+        names, points = [*SOLUTION_COLUMNS], fill_missing_coordinate(points)
         points.insert(0, "point_id", [force.scene.point_id for force in forces])
     for force in forces:
         row = {name: getattr(force.solution, name) for name in names}
@@ -391,7 +391,7 @@ def simulate_table(
             batch = planned[first : first + ROWS_PER_WRITE]
             start = time.perf_counter()
             how: dict[str, Any] = {"derivatives": derivatives, "report": bar.update}
-            decided, known = settings.solved(batch)
+            decided, known = settings.solve_deciding_auto_terms(batch)
             solutions = solve_with_settings(decided, settings=settings, known=known, **how)
             wall = time.perf_counter() - start
             columns = rows[columns_in_table_form(SCENE_COLUMNS, rows)]

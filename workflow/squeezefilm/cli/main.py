@@ -71,7 +71,7 @@ HINTS_TO_OTHER_COMMANDS = {
 COMMAND_NAME_WIDTH, OVERVIEW_WIDTH = 18, 100
 
 
-def module_of_command(groups: CommandGroups = COMMAND_GROUPS) -> dict[str, str]:
+def modules_by_command(groups: CommandGroups = COMMAND_GROUPS) -> dict[str, str]:
     """The place of every command by its name; a package that is not installed has none.
 
     What shows a finished study lies beside the library in a checkout, and not in its wheel.
@@ -116,7 +116,7 @@ def main(arguments: Sequence[str] | None = None, *, groups: CommandGroups = COMM
 
 
 def _run_command(arguments: Sequence[str], *, groups: CommandGroups) -> int:
-    commands, chosen = module_of_command(groups), arguments[0] if arguments else ""
+    commands, chosen = modules_by_command(groups), arguments[0] if arguments else ""
     if chosen not in commands:
         _print_help_and_exit(arguments, commands, overview=overview_text(groups))
     for name in THREAD_COUNT_ENV_VARIABLES:
@@ -227,7 +227,7 @@ def _exit_on_interrupt() -> Iterator[None]:
 
 def overview_text(groups: CommandGroups) -> str:
     """Every command with a line about it, in groups."""
-    known = module_of_command(groups)
+    known = modules_by_command(groups)
     lines = []
     for title, modules in groups.items():
         there = [name for names in modules.values() for name in names.split() if name in known]

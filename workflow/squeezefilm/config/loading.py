@@ -304,7 +304,7 @@ def effective_yaml(config: FilmSections, *, folder: Path | None = None) -> str:
             file = config.path.parent.resolve() / section[key]
             section[key] = os.path.relpath(file, start=folder.resolve())
     head = f"# {config.path}, all keys: values without a mark are written in that file.\n"
-    return head + "".join(f"{line}\n" for line in _yaml_lines(sections, (), config))
+    return head + "".join(f"{line}\n" for line in _config_as_yaml_lines(sections, (), config))
 
 
 USUAL_RANGE_AND_INPUT_UNIT = {"Hz": (1e3, math.inf, "kHz"), "m": (0.0, 1.0, "mm")}
@@ -363,7 +363,7 @@ def _schema_of_config_key(config: FilmSections, key_path: KeyPath) -> Schema:
     return schema_of_key(key_path, config.sections_as_dict())
 
 
-def _yaml_lines(
+def _config_as_yaml_lines(
     values: Mapping[str, Any], key_path: KeyPath, config: FilmSections
 ) -> Iterator[str]:
     for name, value in values.items():
@@ -371,7 +371,7 @@ def _yaml_lines(
         start = "  " * len(key_path) + f"{_yaml_on_one_line(name)}:"
         if isinstance(value, Mapping) and value:
             yield start
-            yield from _yaml_lines(value, here, config)
+            yield from _config_as_yaml_lines(value, here, config)
         else:
             notes = unit_of_schema(_schema_of_config_key(config, here)), value_origin(config, here)
             note = ", ".join(filter(None, notes))

@@ -41,8 +41,8 @@ Separation = Annotated[float, BoundedNumber("1", 0, 0.5, open=True)]
 Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
 Seed = Annotated[int, Field(strict=True, ge=0, le=10**9)]
 ModelName = Annotated[str, Field(pattern="^[a-z][a-z0-9_]{0,39}$")]
-OneTo100Items = Field(min_length=1, max_length=100)
-ModelNames = Annotated[list[ModelName], OneTo100Items, UniqueItems]
+LengthOneTo100 = Field(min_length=1, max_length=100)
+ModelNames = Annotated[list[ModelName], LengthOneTo100, UniqueItems]
 
 
 class Simulation(Section):

@@ -64,7 +64,7 @@ class PeriodAveragedFilm:
     epsilon: float
     sigma: float
     slip: float = 0.0
-    layer: bool = True
+    has_edge_layer: bool = True
 
     @property
     def layer_squeeze_number(self) -> float:
@@ -81,7 +81,7 @@ class PeriodAveragedFilm:
         grid = self.grid
         a = epsilon * np.abs(grid.edge_s)
         values = (1 + 1.5 * a**2) / 2 + self.slip * (1 + a**2 / 2)
-        if self.layer:
+        if self.has_edge_layer:
             _, in_phase, ahead = edge_layer.scaled_layer_integrals(a)
             turned = grid.edge_s.conj() * grid.edge_slope
             u = epsilon**2 * (in_phase * turned.real + ahead * turned.imag)
@@ -90,37 +90,43 @@ class PeriodAveragedFilm:
 
     def field_on_all_nodes(self, inside: np.ndarray, on_edge: np.ndarray) -> np.ndarray:
         """A field on all nodes from its parts."""
-        field = np.empty(self.grid.inner.size, dtype=inside.dtype)
-        field[self.grid.inner], field[~self.grid.inner] = inside, on_edge
+        field = np.empty(self.grid.inner_mask.size, dtype=inside.dtype)
+        field[self.grid.inner_mask], field[~self.grid.inner_mask] = inside, on_edge
         return field
 
     def density(self, w: np.ndarray) -> np.ndarray:
         """ψ of w."""
         return np.sqrt(self.slip**2 + 2 * w) - self.slip
 
-    def mean(self, psi: np.ndarray, epsilon: float) -> float:
+    def mean_gauge_pressure(self, psi: np.ndarray, epsilon: float) -> float:
         """Mean gauge pressure over pad and period at an amplitude, in units of p0."""
-        within = self.grid.weights @ (psi / self._harmonic_mean_gap(epsilon) - 1)
+        within = self.grid.mean_weights @ (psi / self._harmonic_mean_gap(epsilon) - 1)
         return float(within) + self._edge_layer_correction(epsilon)
 
     def steady_flow_potential(self, epsilon: float) -> np.ndarray:
         """Steady w at a constant amplitude: ∇²w = 0, shape (nodes,)."""
         on_edge = self.edge_flow_potential(epsilon)
-        inside = np.linalg.solve(self.grid.inside, -self.grid.laplacian_of_edge_values(on_edge))
+        inside = np.linalg.solve(
+            self.grid.inner_laplacian, -self.grid.laplacian_of_edge_values(on_edge)
+        )
         return self.field_on_all_nodes(inside, on_edge)
 
     def force_gain(self, modulation: np.ndarray) -> np.ndarray:
         """Change of ln F per small change of ln ε, complex, at modulations in units of ω, (n,)."""
         psi, on_edge, at_once = self._amplitude_derivatives
         gain = self._mean_pressure_gain(modulation, psi, on_edge, at_once)
-        return gain / self.mean(psi, self.epsilon)
+        return gain / self.mean_gauge_pressure(psi, self.epsilon)
 
     @cached_property
     def _amplitude_derivatives(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Return ψ, ∂w/∂ln ε on the film edge, and the instantaneous ∂⟨p⟩/∂ln ε."""
         epsilon, psi = self.epsilon, self.density(self.steady_flow_potential(self.epsilon))
         on_edge = _difference_quotient(lambda ratio: self.edge_flow_potential(epsilon * ratio))
-        return psi, on_edge, _difference_quotient(lambda ratio: self.mean(psi, epsilon * ratio))
+        return (
+            psi,
+            on_edge,
+            _difference_quotient(lambda ratio: self.mean_gauge_pressure(psi, epsilon * ratio)),
+        )
 
     def stiffness(self, modulation: np.ndarray, lag: float = 0.0) -> np.ndarray:
         """Stiffness −∂⟨p⟩/∂ln h0 at constant hv, in units of p0.
@@ -144,7 +150,9 @@ class PeriodAveragedFilm:
             )
         )
         at_once = _difference_quotient(
-            lambda ratio: self.with_thicker_gap(ratio).mean(psi / ratio, epsilon / ratio)
+            lambda ratio: self.with_thicker_gap(ratio).mean_gauge_pressure(
+                psi / ratio, epsilon / ratio
+            )
         )
         return psi, on_edge, at_once
 
@@ -164,15 +172,15 @@ class PeriodAveragedFilm:
         """
         grid = self.grid
         psi, on_edge, _ = self._gap_derivatives
-        mobility = (psi + self.slip)[grid.inner]
-        at_rest = np.linalg.solve(grid.inside, -grid.laplacian_of_edge_values(on_edge))
-        of_mean = grid.weights / self._harmonic_mean_gap(self.epsilon)
+        mobility = (psi + self.slip)[grid.inner_mask]
+        at_rest = np.linalg.solve(grid.inner_laplacian, -grid.laplacian_of_edge_values(on_edge))
+        of_mean = grid.mean_weights / self._harmonic_mean_gap(self.epsilon)
         count = len(mobility)
         matrix = np.zeros((count + 2, count + 2))
-        matrix[:count, :count] = mobility[:, None] * grid.inside / self.sigma
+        matrix[:count, :count] = mobility[:, None] * grid.inner_laplacian / self.sigma
         matrix[:count, -1] = -at_rest
         matrix[-2, -1] = 1
-        matrix[-1, :count] = scale * of_mean[grid.inner] / mobility
+        matrix[-1, :count] = scale * of_mean[grid.inner_mask] / mobility
         matrix[-1, -2] = -slow
         return np.linalg.eigvals(matrix)
 
@@ -202,11 +210,11 @@ class PeriodAveragedFilm:
             by_flow = 0.0
             if np.isfinite(omega):  # else the gas does not move
                 rate = 1j * omega * (1 + 1j * omega * lag)
-                shift = np.diag(rate * self.sigma / mobility[grid.inner])
+                shift = np.diag(rate * self.sigma / mobility[grid.inner_mask])
                 change = self.field_on_all_nodes(
-                    np.linalg.solve(grid.inside - shift, driven), on_edge
+                    np.linalg.solve(grid.inner_laplacian - shift, driven), on_edge
                 )
-                by_flow = grid.weights @ (change * weight)
+                by_flow = grid.mean_weights @ (change * weight)
             changes.append(at_once + complex(by_flow))
         return np.array(changes)
 
@@ -222,7 +230,7 @@ class PeriodAveragedFilm:
         from scipy.integrate import odeint  # slow to import, and only needed here
 
         settled = self.density(self.steady_flow_potential(epsilon))
-        inner, inside = self.grid.inner, self.grid.inside / self.sigma
+        inner, inside = self.grid.inner_mask, self.grid.inner_laplacian / self.sigma
         final = settled[inner]
         mobility = final + self.slip
 
@@ -243,13 +251,13 @@ class PeriodAveragedFilm:
         fields = np.repeat(settled[None], len(times), axis=0)
         fields[:, inner] += solution
         densities = fields / self._harmonic_mean_gap(epsilon) - 1
-        return np.asarray(densities @ self.grid.weights + self._edge_layer_correction(epsilon))
+        return np.asarray(densities @ self.grid.mean_weights + self._edge_layer_correction(epsilon))
 
     def _harmonic_mean_gap(self, epsilon: float) -> np.ndarray:
         return np.asarray(np.sqrt(1 - epsilon**2 * np.abs(self.grid.s) ** 2))
 
     def _edge_layer_correction(self, epsilon: float) -> float:
-        if not self.layer:
+        if not self.has_edge_layer:
             return 0.0
         d, _ = edge_layer.layer_integrals(epsilon * np.abs(self.grid.edge_s))
         return float(self.grid.edge_weights @ d / np.sqrt(self.layer_squeeze_number))
@@ -325,7 +333,7 @@ def _error_against_periodic(film: PeriodAveragedFilm, scene: Scene) -> float:
         if not np.isfinite(periodic.force_n):
             return inf
         force_n = (
-            film.mean(film.density(film.steady_flow_potential(epsilon)), epsilon)
+            film.mean_gauge_pressure(film.density(film.steady_flow_potential(epsilon)), epsilon)
             * scene.force_scale_n
         )
         errors.append(force_n / periodic.force_n - 1)

@@ -78,7 +78,7 @@ AVERAGED_STIFFNESS_ERROR_FACTOR = 2.0
 INERTIA_STIFFNESS_ERROR_FACTOR = 6.0
 # Excursion ratio that stands for none, and the steps to a root of the equation of motion.
 NEARLY_ZERO_EPSILON = 1e-6
-FIRST_ROOT_STEP, ROOT_PRECISION = 1e-3, 1e-6
+FIRST_ROOT_STEP, MOTION_ROOT_TOLERANCE = 1e-3, 1e-6
 # Relative change of that root from one grid to the next: what is fine, and what is no answer.
 ROOT_GRID_TOLERANCE, MAX_ROOT_GRID_ERROR = 1e-3, 0.1
 # Imaginary part over size of a root from which on it is an oscillation, and no numerical noise.
@@ -530,7 +530,7 @@ def _motion_root_and_slope(
         left = motion_residual(root)
         slope = (left - before) / (root - previous)
         previous, before, root = root, left, root - left / slope
-        if abs(root - previous) <= ROOT_PRECISION * abs(root):
+        if abs(root - previous) <= MOTION_ROOT_TOLERANCE * abs(root):
             return root, slope
     return complex(nan), complex(nan)
 

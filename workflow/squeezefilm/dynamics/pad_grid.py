@@ -34,9 +34,9 @@ class PadGrid:
     Attributes:
         points: nodes inside along a line through the pad's middle, or about as many.
         s: profile, s₁ + i s₂ of two quadrature components, shape (nodes,).
-        inner: whether a node is inside the film edge, (nodes,).
+        inner_mask: whether a node is inside the film edge, (nodes,).
         laplacian: ∇² at the inner nodes of a field on all nodes, (inner, nodes).
-        weights: of the mean over the pad, (nodes,).
+        mean_weights: of the mean over the pad, (nodes,).
         edge_s, edge_slope: profile and its derivative along the inward normal on the edge, (edge,).
         edge_weights: of the integral along the edge over the pad's area, (edge,).
         edge_to_nodes_matrix: matrix from values on the edge to the nodes there, (nodes − inner,
@@ -45,28 +45,28 @@ class PadGrid:
 
     points: int
     s: np.ndarray
-    inner: np.ndarray
+    inner_mask: np.ndarray
     laplacian: np.ndarray
-    weights: np.ndarray
+    mean_weights: np.ndarray
     edge_s: np.ndarray
     edge_slope: np.ndarray
     edge_weights: np.ndarray
     edge_to_nodes_matrix: np.ndarray
 
     @property
-    def inside(self) -> np.ndarray:
+    def inner_laplacian(self) -> np.ndarray:
         """∇² of fields that are zero on the edge, (inner, inner)."""
-        return self.laplacian[:, self.inner]
+        return self.laplacian[:, self.inner_mask]
 
     def laplacian_of_edge_values(self, on_edge: np.ndarray) -> np.ndarray:
         """∇² at the inner nodes of values on the edge's nodes that are zero inside, (inner,)."""
-        return np.asarray(self.laplacian[:, ~self.inner] @ on_edge)
+        return np.asarray(self.laplacian[:, ~self.inner_mask] @ on_edge)
 
     @property
     def edge_mean_square_ratio(self) -> float:
         """Mean of |s|² along the edge over that of the pad."""
         around = self.edge_weights @ np.abs(self.edge_s) ** 2 / self.edge_weights.sum()
-        return float(around / (self.weights @ np.abs(self.s) ** 2))
+        return float(around / (self.mean_weights @ np.abs(self.s) ** 2))
 
     @cached_property
     def slowest_decay_rate(self) -> float:
@@ -74,7 +74,7 @@ class PadGrid:
 
         A film at rest forgets in 1/that of σ/ω.
         """
-        inverse, rate = np.linalg.inv(-self.inside), 0.0
+        inverse, rate = np.linalg.inv(-self.inner_laplacian), 0.0
         mode = np.ones(len(inverse))
         for _ in range(MAX_DECAY_RATE_ITERATIONS):
             previous, mode = rate, inverse @ mode
@@ -109,9 +109,9 @@ def rectangle_grid(films: Films) -> PadGrid:
     return PadGrid(
         points=films.x_axis.unknown_count,
         s=films.s[0].ravel(),
-        inner=inner,
+        inner_mask=inner,
         laplacian=(along_x + along_y)[inner],
-        weights=np.outer(
+        mean_weights=np.outer(
             quadrature_weights_with_ends(films.x_axis), quadrature_weights_with_ends(films.y_axis)
         ).ravel(),
         edge_s=films.edge_profile[0],
@@ -134,9 +134,9 @@ def disc_grid(amplitude: AmplitudeFunction, points: int) -> PadGrid:
     return PadGrid(
         points=points,
         s=s,
-        inner=inner,
+        inner_mask=inner,
         laplacian=(near + far)[inner],
-        weights=np.append(weights, 1 - weights.sum()),
+        mean_weights=np.append(weights, 1 - weights.sum()),
         edge_s=s[-1:],
         edge_slope=-slope @ s[:, None],
         edge_weights=np.array([4.0]),
@@ -175,9 +175,9 @@ def outline_grid(outline: Outline, amplitude: AmplitudeFunction, points: int) ->
     return PadGrid(
         points=points,
         s=s.ravel(),
-        inner=inner,
+        inner_mask=inner,
         laplacian=(laplacian / stretch.ravel()[:, None])[inner],
-        weights=weights.ravel(),
+        mean_weights=weights.ravel(),
         edge_s=s[-1],
         edge_slope=-slope / length,
         edge_weights=length * step / outline.area,

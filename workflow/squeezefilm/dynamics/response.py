@@ -168,7 +168,9 @@ def _response_on_grid(scene: Scene, points: int) -> ForceResponse:
     static, prompt = film.force_gain(np.array([0.0, inf])).real
     rate = scene.actuator.angular_frequency_rad_per_s
     time, rising, falling = _start_and_stop_pressures(film)
-    settled = film.mean(film.density(film.steady_flow_potential(film.epsilon)), film.epsilon)
+    settled = film.mean_gauge_pressure(
+        film.density(film.steady_flow_potential(film.epsilon)), film.epsilon
+    )
     two_periods_s = 2 / scene.actuator.frequency_hz
     return ForceResponse(
         static_gain=float(static),

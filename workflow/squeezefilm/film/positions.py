@@ -32,7 +32,7 @@ def columns_in_table_form(columns: Iterable[str], table: Iterable[object]) -> li
     return [form.get(name, name) for name in columns]
 
 
-def with_both_coordinates(table: pd.DataFrame) -> pd.DataFrame:
+def fill_missing_coordinate(table: pd.DataFrame) -> pd.DataFrame:
     """The table with both coordinates of its position: 0 for one that it has not."""
     form = (
         find_position_columns(table)

@@ -308,7 +308,7 @@ ProfileOfStudy = Sinc | Piston | StandingWave | TravellingWave | BesselMode | Fo
 
 # Spacing of the nets around a maximum, of half the surface, from the first to the last.
 # What a larger value is larger by at least, relative.
-FIRST_NET_SPACING, LAST_NET_SPACING, ROUND_OFF = 0.01, 1e-6, 1e-13
+FIRST_NET_SPACING, LAST_SEARCH_SPACING, ROUND_OFF = 0.01, 1e-6, 1e-13
 
 
 def largest_magnitude(
@@ -333,7 +333,7 @@ def largest_magnitude(
         return np.nan
     best, largest, spacing = net[:, np.argmax(sizes)], float(sizes.max()), FIRST_NET_SPACING
     around = np.stack(np.meshgrid(*2 * [np.arange(-2.0, 3.0)])).reshape(2, -1)
-    while spacing > LAST_NET_SPACING:
+    while spacing > LAST_SEARCH_SPACING:
         near = best[:, None] + spacing * around
         with np.errstate(all="ignore"):
             sizes = np.nan_to_num(magnitude_at(near), nan=0.0, posinf=0.0)

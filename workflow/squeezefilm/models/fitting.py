@@ -171,11 +171,11 @@ def fit_model(
     search: SearchFunction = run_genetic_searches,
 ) -> Fit:
     """A global search within +-bound, then Nelder-Mead (paper, section III); see
-    ``fit_by_searches``."""
-    return fit_by_searches([(bound, search, seed)], model, factors, force_n)[0]
+    ``fits_of_searches``."""
+    return fits_of_searches([(bound, search, seed)], model, factors, force_n)[0]
 
 
-def fit_by_searches(
+def fits_of_searches(
     ways: Sequence[tuple[float, SearchFunction, int]],
     model: ExpressionModel,
     factors: Factors,

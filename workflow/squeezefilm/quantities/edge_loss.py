@@ -37,7 +37,7 @@ STATE_FORCE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
 EFFECT_CHANGE_TOLERANCE, MAX_EDGE_ITERATIONS = 3e-3, 30
 # Part of that which the next change may take, if expected by the fall of the last two.
-EXPECTED_CHANGE_SAFETY_FACTOR = 20
+CONVERGENCE_SAFETY_FACTOR = 20
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
 # first no state may be found of a film of large amplitude, at the second rounding counts more.
 TRIAL_EDGE_PRESSURE_RATIOS = (1e-3, 1e-4)
@@ -122,7 +122,7 @@ def _edge_loss_changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
         # Or where the next difference, by the fall of the last two, is far below that.
         settled = ~failed & (
             (difference <= allowed / 2)
-            | (difference**2 <= allowed / EXPECTED_CHANGE_SAFETY_FACTOR * earlier)
+            | (difference**2 <= allowed / CONVERGENCE_SAFETY_FACTOR * earlier)
         )
         # Where Newton's method does not follow, a shorter step is tried.
         keep = failed[:, None, None, None]

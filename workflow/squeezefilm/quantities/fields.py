@@ -208,14 +208,14 @@ class Fields:
         )
 
     @cached_property
-    def velocity(self) -> np.ndarray:
+    def gap_mean_velocity(self) -> np.ndarray:
         """Mean velocity over the gap by pressure alone, ū = −(1/σ) ``mobility`` ∇P."""
         return self.slope * (self.mobility * (-1 / self.sigma))
 
     @cached_property
     def velocity_on_edge(self) -> np.ndarray:
         """ū at the ends of x and of y along each: ``velocity`` less its deficit by inertia."""
-        velocity = self.velocity.copy()
+        velocity = self.gap_mean_velocity.copy()
         for k, axis in enumerate(self.axes_with_ends if self.unknowns.shape[1] > 1 else ()):
             velocity[k][self.inner_slices_across(k)] -= apply_matrix_along_axis(
                 k, flux_to_node_matrix(axis), self.unknowns[:, 1 + k]

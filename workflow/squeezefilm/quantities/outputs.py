@@ -193,14 +193,17 @@ def _outputs_on_two_grids(
     coarse, fine = output_weights(before), output_weights(film)
     size = {name: film.size(weight) for name, weight in fine.items()}
     # The value of each number and its error.
-    values = {name: (film.mean(weight), 0.0) for name, weight in fine.items()}
+    values = {name: (film.weighted_excess_mean(weight), 0.0) for name, weight in fine.items()}
     holds, least = True, 0.0
     for first_harmonics in (False, True):
         # Those that ask for harmonics are of first order in the amplitude, the others of second.
         comparable = [
             n for n, w in fine.items() if bool(np.any(w[1:])) == first_harmonics and size[n]
         ]
-        change = {n: abs(values[n][0] - before.mean(coarse[n])) / size[n] for n in comparable}
+        change = {
+            n: abs(values[n][0] - before.weighted_excess_mean(coarse[n])) / size[n]
+            for n in comparable
+        }
         scale = max((abs(values[n][0]) / size[n] for n in comparable), default=0.0)
         most = max(change.values(), default=0.0)
         least = max(least, MIN_GRID_CHANGE_FRACTION * most)
@@ -365,7 +368,7 @@ class SampledState:
         odd = np.abs(seen).max() < ODD_FIELD_ROUND_OFF * np.abs(field).max()
         return seen[:, :count_x, :count_y] * (not odd)
 
-    def mean(self, weight: np.ndarray) -> float:
+    def weighted_excess_mean(self, weight: np.ndarray) -> float:
         """⟨w (P − 1)⟩ over pad and period, for w₀ + w₁ sin T + w₂ cos T, shape (3, x, y)."""
         return self._pad_mean(_period_mean(weight, self.pressure))
 

@@ -117,7 +117,7 @@ def scaled_sheared_gas_thrust(scene: Scene, solution: Solution, *, device: Devic
 
 def sliding_stress_on_pad(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     """Return what has the mean of the stress on the pad that U adds by inertia and by heat."""
-    v, wall, mass = films.velocity, wall_velocity(films), films.mass
+    v, wall, mass = films.gap_mean_velocity, wall_velocity(films), films.mass
     by_wall = films.convective_acceleration(v + wall) - films.convective_acceleration(v)
     passed = wall_speed(films) * films.pad_x_derivative(mass) / films.area
     steepened = wall_speed(films) * films.pad_x_derivative(films.gap) / films.area
@@ -188,7 +188,7 @@ def sliding_flux_and_mass(films: Fields) -> tuple[np.ndarray, np.ndarray]:
 
 def sliding_flux_by_inertia(films: Fields) -> np.ndarray:
     """Return the flux that U adds by inertia; of slip only the longer lag."""
-    v, wall, mass = films.velocity, wall_velocity(films), films.mass
+    v, wall, mass = films.gap_mean_velocity, wall_velocity(films), films.mass
     by_wall = films.convective_acceleration(v + wall) - films.convective_acceleration(
         v
     )  # (U·∇)ū, for U is uniform
@@ -202,7 +202,7 @@ def sliding_flux_by_inertia(films: Fields) -> np.ndarray:
 
 def flux_and_mass_by_heating(films: Fields) -> tuple[np.ndarray, np.ndarray]:
     """Return the flux and the mass per area that U adds by heat."""
-    v, wall, square = films.velocity, wall_velocity(films), films.gap**2
+    v, wall, square = films.gap_mean_velocity, wall_velocity(films), films.gap**2
     heating = films.equation_numbers("heating", absent=0.0)
     exponent = films.equation_numbers("viscosity_exponent", absent=0.0)
     friction, mixed, sheared, jump = viscous_heating_terms(films)
@@ -215,7 +215,7 @@ def flux_and_mass_by_heating(films: Fields) -> tuple[np.ndarray, np.ndarray]:
 
 def viscous_heating_terms(films: Fields) -> tuple[np.ndarray, ...]:
     """Return b ū² H², b U·ū H², A H² and the factor by which a jump at the walls warms more."""
-    v, wall = films.velocity, wall_velocity(films)
+    v, wall = films.gap_mean_velocity, wall_velocity(films)
     jump = 1 + films.equation_numbers("jump_warms", absent=0.0) / films.mass
     # Under an outline a product of two velocities is |dz/dζ|² times theirs.
     friction, mixed = (films.sigma * dot(v, other) / films.area for other in (v, wall))

@@ -156,7 +156,7 @@ class Grid(HashedOnce):
         return self.x.full_point_count / length_x, self.y.full_point_count / (sides * length_y)
 
     @property
-    def shape(self) -> tuple[int, int, int]:
+    def space_time_shape(self) -> tuple[int, int, int]:
         return self.nx, self.ny, self.nt
 
     @cached_property

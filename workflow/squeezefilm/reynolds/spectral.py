@@ -352,7 +352,7 @@ class AngleAxis:
     def second_derivative_parts(self) -> np.ndarray:
         """Second derivative of a function of the axis' symmetries, shape (n, n)."""
         fourier, harmonics = self._full_period.fourier_matrix, self._full_period.harmonic_orders
-        return self._fold_matrix(-(fourier[:, : self.unknown_count].T * harmonics**2) @ fourier)
+        return self._folded_matrix(-(fourier[:, : self.unknown_count].T * harmonics**2) @ fourier)
 
     @cached_property
     def quadrature_weights(self) -> np.ndarray:
@@ -406,13 +406,13 @@ class AngleAxis:
 
         ``odd`` is for a function that changes its sign at each mirror.
         """
-        return self._fold_matrix(self.matrix_to_points(points), odd=odd)
+        return self._folded_matrix(self.matrix_to_points(points), odd=odd)
 
     @property
     def _full_period(self) -> TimeAxis:
         return cached_time_axis(self.full_point_count)
 
-    def _fold_matrix(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:
+    def _folded_matrix(self, matrix: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """Return a matrix for the unknowns alone, by the symmetry of the function it acts on."""
         folded = np.zeros((len(matrix), self.unknown_count))
         for at, sign, column in zip(*self._mirror_index_and_sign, matrix.T, strict=True):
@@ -421,7 +421,7 @@ class AngleAxis:
 
     def derivative_at_unknowns(self, *, odd: bool) -> np.ndarray:
         """First derivative at the unknowns of a function that mirrors keep, or change in sign."""
-        return self._fold_matrix(self.derivative_matrix[: self.unknown_count], odd=odd)
+        return self._folded_matrix(self.derivative_matrix[: self.unknown_count], odd=odd)
 
 
 cached_angle_axis = lru_cache(maxsize=64)(AngleAxis)

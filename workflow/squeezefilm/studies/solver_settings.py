@@ -36,7 +36,7 @@ class SolverSettings:
         how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
         return resolve_auto_terms(scenes, **how, device=self.device)
 
-    def solved(
+    def solve_deciding_auto_terms(
         self, scenes: Scenes | Sequence[Scene]
     ) -> tuple[Scenes | Sequence[Scene], dict[int, Solution]]:
         """The same, with the solutions that were needed for it and hold the tolerance, by row."""

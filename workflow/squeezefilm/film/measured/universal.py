@@ -210,7 +210,7 @@ def _scan_at_frequency(
             not in [{kind} for kind in OMEGA_POWER_OF_DATA_TYPE],
         },
     )
-    rows = [_amplitude_at_nearest_line(each, omega / (2 * math.pi)) for each in functions]
+    rows = [_amplitude_at_spectral_line(each, omega / (2 * math.pi)) for each in functions]
     measured, lines_hz = (np.array(column) for column in zip(*rows, strict=True))
     numbers, seen = 1 + np.arange(len(nodes)), np.isfinite(measured)
     amplitude = measured[seen].astype(complex) / omega ** OMEGA_POWER_OF_DATA_TYPE[min(kinds)]
@@ -267,7 +267,7 @@ def _functions_of_reference(
     return [each for each, name in zip(functions, names, strict=True) if name in (asked or counts)]
 
 
-def _amplitude_at_nearest_line(
+def _amplitude_at_spectral_line(
     function: dict[str, Any], frequency_hz: float
 ) -> tuple[complex | float, float]:
     """The amplitude at the line nearest to the frequency, and that line.

@@ -159,7 +159,7 @@ def _grid_size_columns(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> 
     breaks_x = any("x" in term.SYMMETRY_BROKEN_AXES for term in terms)
     values = [
         (
-            *grid.shape,
+            *grid.space_time_shape,
             _max_krylov_iterations(grid, terms),
             MAX_OPERATIONS / 2 / krylov_iteration_flops(grid, terms),
             grid.x.uses_even_odd_parts,
@@ -336,7 +336,9 @@ class Launch:
                 means = self.host_results[begin : begin + count * means_size]
                 mean_pressures.append((grid, means.reshape(count, grid.nx, grid.ny)))
                 of_batch.append(
-                    PeriodicStates(grid, unknowns.reshape(count, -1, *grid.shape), of_scenes)
+                    PeriodicStates(
+                        grid, unknowns.reshape(count, -1, *grid.space_time_shape), of_scenes
+                    )
                 )
             if stages > 1 and have_velocity_terms(batch.terms):
                 of_scenes["resolved"] = resolved_change(*mean_pressures[-2:])

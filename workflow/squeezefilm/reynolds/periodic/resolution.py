@@ -89,7 +89,7 @@ def first_grids(
         room: most unknowns of a grid that the device has memory for.
         kept: whether states are, of which quantities ask for more than the force does.
     """
-    for kind, film, rows_of_group in _groups_of_equal_terms(plan, rows):
+    for kind, film, rows_of_group in _groups_by_terms_and_pad(plan, rows):
         terms, pad = plan.term_sets[kind], film.pad
         outline = _coordinate_outline(pad, terms)
         part, step = FIRST_GRID_TOLERANCE_FRACTION, FAST_NODE_MULTIPLE
@@ -153,7 +153,7 @@ def _unresolved_reason(plan: SolvePlan, row: int, missed: float, missed_fraction
     )
 
 
-def _groups_of_equal_terms(plan: SolvePlan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
+def _groups_by_terms_and_pad(plan: SolvePlan, rows: Rows) -> Iterator[tuple[int, Film, Rows]]:
     """Group the scenes by terms, outline and aspect ratio; yield kind, a film and rows."""
     films = plan.scenes.films
     if len(plan.term_sets) == len(films) == 1:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from squeezefilm.film.scene import OperatingPoints, Scene
-from squeezefilm.reynolds.terms.inertia import flux_matrices
+from squeezefilm.reynolds.terms.inertia import flux_point_matrices
 from squeezefilm.reynolds.terms.rarefaction import flow_to_viscous_ratio
 from squeezefilm.reynolds.terms.term import AbsentTerm, NamedArrays, NamedNumbers, Term
 
@@ -37,7 +37,7 @@ class Bearing(Term):
         if grid.outline is None:
             return {"derivative_x": grid.x.derivative_matrix[1:-1, 1:-1]}
         along, turn = (
-            flux_matrices(grid, aspect=aspect),
+            flux_point_matrices(grid, aspect=aspect),
             np.asarray(grid.conformal_map_slope(grid.x.nodes)),
         )
         return {

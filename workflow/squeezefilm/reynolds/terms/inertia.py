@@ -69,7 +69,7 @@ class VelocityTerm(Term):
     """A term of the gas' velocities, along each axis on its flux points and the other's nodes."""
 
     def matrices(self, grid: Grid, *, aspect: float) -> NamedArrays:
-        return flux_matrices(grid, aspect=aspect)
+        return flux_point_matrices(grid, aspect=aspect)
 
     def profile_fields(self, parts: np.ndarray, grid: Grid) -> NamedArrays:
         along_x, along_y = _flux_points_of_grid(grid)
@@ -150,7 +150,7 @@ def wave_mach_estimate(scene: OperatingPoints) -> Any:
     return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
 
 
-def flux_matrices(grid: Grid, *, aspect: float) -> NamedArrays:
+def flux_point_matrices(grid: Grid, *, aspect: float) -> NamedArrays:
     """The matrices of velocities along each axis (spectral.py), by their names in the kernels."""
     lengths = grid.axis_lengths(aspect)
     matrices = [

@@ -23,7 +23,7 @@ from squeezefilm.models.fitting import (
     ParameterRange,
     best_fit_of_bounds,
     check_identifiable,
-    fit_by_searches,
+    fits_of_searches,
     open_range_notes,
     parameter_ranges,
     run_differential_evolution,
@@ -131,7 +131,7 @@ def fit_to_forces(
         (run_differential_evolution, first),
     ]
     ways = [(bound, *search) for bound, search in product(settings.bounds, searches)]
-    runs = fit_by_searches(ways, model, factors, force_n, processes=processes)
+    runs = fits_of_searches(ways, model, factors, force_n, processes=processes)
     best, bound_notes = best_fit_of_bounds(runs, model, factors, force_n)
     absent_terms = forces["absent_terms"]
     about = fit_values(model, config, factors, force_n, best, absent_terms, uncertainty=uncertainty)

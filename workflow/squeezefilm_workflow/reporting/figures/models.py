@@ -133,7 +133,7 @@ def sensitivity_figure(results: Results, space: str) -> Figure:
     moved = bool((data["layer"] == "position").any())
     figure, (panels,) = style.subplots(1, 1 + moved, wide=moved, height_in=3.2, squeeze=False)
     for axes, (layer, (names, labels)) in zip(panels, AXES_OF_PLANE.items(), strict=False):
-        colours = _draw_sensitivity(axes, data, layer, names)
+        colours = _draw_design_sensitivity(axes, data, layer, names)
         axes.set(**labels)
     figure.colorbar(colours, ax=list(panels), pad=0.02, label="sensitivity d/p (–)")
     notes = (
@@ -144,7 +144,9 @@ def sensitivity_figure(results: Results, space: str) -> Figure:
     return figure
 
 
-def _draw_sensitivity(axes: Axes, data: pd.DataFrame, layer: str, names: tuple[str, str]) -> Any:
+def _draw_design_sensitivity(
+    axes: Axes, data: pd.DataFrame, layer: str, names: tuple[str, str]
+) -> Any:
     rows, points = style.layer_rows(data, layer), style.layer_rows(data, "design")
     x, y, level = (rows[name].to_numpy(dtype=float) for name in (*names, "sensitivity"))
     shading: dict[str, Any] = {"cmap": style.SEQUENTIAL_COLOURMAP, "vmin": 0.0, "vmax": 1.0}
