@@ -158,7 +158,7 @@ def parse_quantity(text: str, *, option: str, unit: str) -> float:
     value = None if NUMBER_PATTERN.fullmatch(text) else number_in_unit(text, unit)
     if value is None:
         names = ", ".join(name for name in unit_sizes(unit) if "μ" not in name)  # µ is there too
-        raise InputError(f"{option} {text!r} must be a number with its unit: {names}")
+        raise InputError(f"{option} {text!r} must be one number with its unit: {names}")
     return value
 
 
