@@ -69,6 +69,13 @@ def test_a_short_study_is_whole(repository):
     assert "limit_1" in study(pad={"shape": "rectangle"}).comparison.two_factor
 
 
+@pytest.mark.parametrize(("gas", "gap"), [({"thermal": "included"}, {}), ({}, {"tilt_x": "1 um"})])
+def test_no_model_rests_on_a_limit_that_is_not_derived_for_its_film(gas, gap):
+    """All points of such a study have no limit, so its comparison would lack these models."""
+    config = study(gas=gas, pad={"shape": "rectangle", "gap": gap})
+    assert "limit" not in str(config.comparison) + str(config.refine)
+
+
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_positions_use_the_room_that_the_pad_has(shape):
     """The farthest is on the surface in every direction, and nearly at its rim."""

@@ -59,6 +59,7 @@ def test_levitation_shows_every_amplitude_and_no_line_of_contact_crosses_another
     ends = dict.fromkeys(("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"), 1e-8)
     with style.figure_style():
         figure = film.levitation(results(**{"levitation.csv": table.assign(**ends)}))
+    assert any("Dotted: h0 = hv (contact)" in text.get_text() for text in figure.texts)
     gap, stiffness = figure.axes
     assert len(stiffness.get_legend().get_texts()) == 4
     curves = [line for line in gap.lines if line.get_label().startswith("$h_v$")]
@@ -67,6 +68,8 @@ def test_levitation_shows_every_amplitude_and_no_line_of_contact_crosses_another
     for line, curve in product(dotted, curves):
         beside = curve.get_xdata() > min(line.get_xdata())
         assert (curve.get_ydata()[beside] > max(line.get_ydata())).all()
+    contact_um = [line.get_ydata()[0] for line in dotted]
+    assert contact_um == pytest.approx(sorted(1e6 * SCREEN["hv_m"].unique()))
 
 
 @pytest.mark.parametrize(

@@ -99,3 +99,16 @@ def test_recommended_errors_are_shown_in_percent_as_on_the_pages(monkeypatch, tm
     assert float(shown["validation_error_percent"]) == pytest.approx(0.76)
     assert shown["simulations"] == "48"
     assert not {"worst_error", "validation_error"} & set(header)
+
+
+def test_recommended_amplitudes_stand_by_space_and_then_by_size(monkeypatch, tmp_path, capsys):
+    """The centre's amplitude lay between the least and the largest of the pad anywhere."""
+    rows = [("two_factor", 2e-6), *[("four_factor", hv_m) for hv_m in (3e-6, 1.5e-6, 1e-6)]]
+    table = pd.DataFrame(rows, columns=["space", "hv_m"]).assign(model="bump", h0_m=5e-6)
+    table = table.assign(validation_error=0.01, worst_error=0.02)
+    monkeypatch.setattr(models.Results, "of_folder", lambda *_: models.Results(tmp_path, None))
+    monkeypatch.setattr(models, "recommendation_table", lambda _: table)
+    assert cli.main(["recommend", str(tmp_path)]) == 0
+    header, *shown = map(str.split, capsys.readouterr().out.splitlines()[:-2])
+    amplitudes = [(row[0], float(row[header.index("hv_m")])) for row in shown]
+    assert amplitudes == [("two_factor", 2e-6), ("four_factor", 1e-6), ("four_factor", 3e-6)]

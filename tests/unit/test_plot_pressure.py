@@ -6,6 +6,7 @@ import xarray
 from PIL import Image
 
 from squeezefilm.cli.main import main
+from squeezefilm_workflow.reporting import pressure_pictures
 
 INSTANTS, PLACES = 4, 9
 
@@ -37,3 +38,11 @@ def test_a_sheet_and_an_animation_are_the_same_each_time(field, tmp_path):
     assert made[0] == made[1]
     with Image.open(tmp_path / "a.gif") as film:
         assert film.n_frames == INSTANTS
+
+
+def test_the_title_has_the_position_of_a_pad_that_is_not_centred(field):
+    """The axes of the pictures begin at the pad's centre, so they do not show it."""
+    title = "h0 5 µm, hv 2 µm, 43.27 kHz"
+    assert pressure_pictures.pressure_figure(field).get_suptitle() == title
+    aside = field.assign_attrs(pad_x_m=1e-3, pad_y_m=1e-19)
+    assert pressure_pictures.pressure_figure(aside).get_suptitle() == f"{title}, pad at x 1 mm"

@@ -90,7 +90,11 @@ WRONG = {
         "point_id,h0_m,hv\n1,5e-6,1e-6\n",
         "column 'hv' needs",
     ),
-    "a column that no table has": ("h0_m,hv_m,speed\n5e-6,1e-6,1\n", "unknown column 'speed'"),
+    "a column that no table has": (
+        "h0_m,hv_m,z_mm\n5e-6,1e-6,1\n",
+        "unknown column 'z_mm'; the table needs h0_m, hv_m; it may have point_id, a position "
+        "(phi_r_m and phi_deg, or x_m and y_m)",
+    ),
     "a direction alone": ("h0_m,hv_m,phi_deg\n5e-6,1e-6,1\n", "column 'phi_r_m' is missing"),
     "two decimal signs": (
         "h0_m;hv_m\n5e-6;0.000001\n5e-6;0,000001\n",

@@ -66,9 +66,8 @@ MEASURED_COLUMNS_TEXT = (
     "h0 [µm], hv [µm], force [mN] and force uncertainty [mN], each with its unit; and, where they "
     "are known, a position, h0 uncertainty [µm], hv uncertainty [µm] and point_id"
 )
-POSITION_FORMS_TEXT = (
-    f"a position is {' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
-)
+POSITION_FORMS = f"{' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
+POSITION_FORMS_TEXT = f"a position is {POSITION_FORMS}"
 PARQUET_SUFFIX, CSV_SEPARATORS = ".parquet", ",;\t"
 UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
@@ -376,10 +375,12 @@ def normalise_points(
 
 def _columns_text(columns: Sequence[str], optional: Collection[str]) -> str:
     """The columns that a table needs and those that it may have, for messages."""
-    parts = {
-        "": [name for name in columns if name not in optional],
-        "it may have ": [name for name in columns if name in optional],
-    }
+    needed = [name for name in columns if name not in optional]
+    position = {*POLAR_COLUMNS, *CARTESIAN_COLUMNS}
+    offered = [name for name in columns if name in {*optional} - position]
+    if position & {*columns}:
+        offered.append(f"a position ({POSITION_FORMS})")
+    parts = {"": needed, "it may have ": offered}
     return "; ".join(f"{start}{', '.join(names)}" for start, names in parts.items() if names)
 
 

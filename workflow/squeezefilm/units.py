@@ -158,7 +158,7 @@ def parse_quantity(text: str, *, option: str, unit: str) -> float:
     value = None if NUMBER_PATTERN.fullmatch(text) else number_in_unit(text, unit)
     if value is None:
         names = ", ".join(name for name in unit_sizes(unit) if "μ" not in name)  # µ is there too
-        raise InputError(f"{option} {text!r} must be a number with its unit: {names}")
+        raise InputError(f"{option} {text!r} must be one number with its unit: {names}")
     return value
 
 
@@ -230,8 +230,8 @@ def value_and_error_texts(value: float, error: float) -> tuple[str, str]:
         return f"{value:z.{decimals}f}", error_text(size)
     # A film that bears next to nothing, or an error of 100 and more: as many digits as that makes.
     value = round(value, decimals)
-    digits = math.floor(math.log10(abs(value))) + decimals if value else 0
-    return f"{value:.{digits}e}", error_text(size)
+    digits = math.floor(math.log10(abs(value))) + decimals if value else 1
+    return f"{value:z.{digits}e}", error_text(size)
 
 
 def split_unit(name: str) -> tuple[str, str]:

@@ -70,9 +70,9 @@ def levitate(options: argparse.Namespace) -> None:
     resonance and damping ratio do not contain the modelling error.
 
     `other_gaps_m` are approximate smaller gaps that carry the same load. Without --load the load is
-    the weight of the mass. With a mass, `resonance_hz` = |Im s|/2π and `damping_ratio` = −Re s/|s|
-    (1 is critical) describe its vertical free oscillation exp(st), where s is the root of the
-    equation of motion with the film's stiffness at s. Their errors hold that of this stiffness, at
+    the weight of the mass. With a mass, `resonance_hz` = |Im λ|/2π and `damping_ratio` = −Re λ/|λ|
+    (1 is critical) describe its vertical free oscillation exp(λt), where λ is the root of the
+    equation of motion with the film's stiffness at λ. Their errors hold that of this stiffness, at
     the gap found.
 
     `modelling_error_lower_percent` and `…_upper_percent` bound the change of the force by neglected

@@ -75,8 +75,7 @@ def new(options: argparse.Namespace) -> None:
     writes config/my-actuator.yaml, a study of twenty lines that says what differs from the
     defaults, and config/my-actuator.csv, a vibrometer's table to replace by yours; with
     `--rectangle` the study of a plate alone. Neither is written if one of them is there already.
-    Both run as they are; `squeezefilm config` shows every
-    other key:
+    Both run as they are; `squeezefilm config` shows every other key:
 
       snakemake --configfile config/my-actuator.yaml
     """

@@ -248,8 +248,8 @@ class Comparison(ModelNamesBySpace):
 
     Attributes:
         two_factor: those fitted to the screen, the pad centred, and ranked on half of the
-            validation sample; default: the usual ones; those of the asymptotic expansion where
-            it is known for the pad and its gas
+            validation sample; default: the usual ones; for a flat rectangle those of the
+            asymptotic expansion where it is known for its gas
         four_factor: those fitted to the four-factor plan, likewise; default: likewise
     """
 
@@ -260,8 +260,8 @@ class Refine(ModelNamesBySpace):
 
     Attributes:
         two_factor: models to refine with the pad centred: the library's or the study's own;
-            default: `limit_1`, or `polynomial_3` where the asymptotic expansion is not known for
-            the pad or its gas
+            default: `limit_1`, or `polynomial_3` where no model of the asymptotic expansion is
+            compared by default
         four_factor: models to refine with the pad anywhere; default: `limit_2`, or
             `polynomial_5`
         global_error: target of |model − simulation|/|simulation| over the space, for its upper
@@ -435,7 +435,10 @@ class Study(FilmSections, StudyHeader):
         _set_missing_values(wanted, hv_m=largest_m if farther_m >= wanted.h0_m else farther_m)
 
     def _derive_models(self) -> None:
-        """The models that are compared and refined: physics' where its limit was derived."""
+        """The models that are compared and refined: the limit's for flat rectangles at rest.
+
+        With inertia, which is `auto` by default, it is derived for a flat gap alone.
+        """
         pad, gas, profile = self.pad, self.gas, self.actuator.profile
         one_phase = not isinstance(profile, TravellingWave)
         one_phase &= getattr(profile, "quadrature", "0") == "0"
@@ -446,6 +449,7 @@ class Study(FilmSections, StudyHeader):
             and (one_phase or gas.inertia == "none")
             and gas.rarefaction == "none"
             and gas.polytropic_exponent == 1
+            and gas.thermal != "included"
         )
         physics = ["limit", "limit_1", "limit_2"] if known else []
         _set_missing_values(

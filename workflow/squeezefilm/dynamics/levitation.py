@@ -433,10 +433,10 @@ class Resonance(NamedTuple):
     """Free vertical motion of a mass on a film.
 
     Attributes:
-        frequency_hz: at which it oscillates as it dies away, |Im s|/2π; NaN where there is no
+        frequency_hz: at which it oscillates as it dies away, |Im λ|/2π; NaN where there is no
             oscillation or none is known.
         frequency_error_hz: by the averaged film, at the gap given.
-        damping_ratio: ζ = −Re s/|s|, 1 for critical damping; NaN as the frequency.
+        damping_ratio: ζ = −Re λ/|λ|, 1 for critical damping; NaN as the frequency.
         damping_ratio_error: likewise.
         reason: why there is none, none is known, or no more than a bound; empty where there is one.
     """
@@ -453,10 +453,10 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
 
     The film's stiffness rises with the frequency, from that of slow motion, with gas that comes and
     goes through the edge, to that of gas that stays; in between the gas that is pressed out damps.
-    So free motion exp(st) of a mass m is a root of its equation of motion with the film's stiffness
-    at that complex s,
+    So free motion exp(λt) of a mass m is a root of its equation of motion with the film's stiffness
+    at that complex λ,
 
-        m s² + k + K(s/ω) − K(0) = 0,   s = −ζ ωₙ ± i ωₙ √(1 − ζ²),
+        m λ² + k + K(λ/ω) − K(0) = 0,   λ = −ζ ωₙ ± i ωₙ √(1 − ζ²),
 
     k the stiffness of slow motion of the settled film and K that of the averaged film
     (averaged_film.py); with the lag of the gas by inertia where the film has it. Thermal effects,

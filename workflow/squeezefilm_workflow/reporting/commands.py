@@ -163,8 +163,9 @@ def recommend(options: argparse.Namespace) -> None:
         # On the screen the least and the largest amplitude of each space, and no wide columns.
         for name in ("validation_error", "worst_error"):
             table[f"{name}_percent"] = 100 * table[name]
-        ends = table.sort_values("hv_m").groupby("space", sort=False)["hv_m"].nth([0, -1]).index
-        table = table.loc[ends, [name for name in RECOMMENDATION_COLUMNS_SHOWN if name in table]]
+        spaces = [rows.sort_values("hv_m") for _, rows in table.groupby("space", sort=False)]
+        table = pd.concat([rows.iloc[:: max(1, len(rows) - 1)] for rows in spaces])
+        table = table[[name for name in RECOMMENDATION_COLUMNS_SHOWN if name in table]]
     write_or_print_rows(table, options)
     for best in table.drop_duplicates("space").to_dict("records"):
         print(f"fit of {best['space']}: {results.candidate_fit_file(best['space'], best['model'])}")

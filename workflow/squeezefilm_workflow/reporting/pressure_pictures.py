@@ -148,4 +148,7 @@ def _draw_means_over_period(axes: Axes, field: Dataset) -> None:
 
 def _figure_title(field: Dataset) -> str:
     h0_um, hv_um = (1e6 * field.attrs[name] for name in ("h0_m", "hv_m"))
-    return f"h0 {h0_um:.4g} µm, hv {hv_um:.4g} µm, {1e-3 * field.attrs['frequency_hz']:.4g} kHz"
+    title = f"h0 {h0_um:.4g} µm, hv {hv_um:.4g} µm, {1e-3 * field.attrs['frequency_hz']:.4g} kHz"
+    position_mm = {axis: round(1e3 * field.attrs.get(f"pad_{axis}_m", 0.0), 9) for axis in "xy"}
+    place = ", ".join(f"{axis} {value:.4g} mm" for axis, value in position_mm.items() if value)
+    return f"{title}, pad at {place}" if place else title

@@ -218,7 +218,7 @@ def levitation(results: Results) -> Figure:
             axes.plot(rows["load_n"], rows[name], color=colour, label=label)
             for fill, some in ((colour, rows[within]), ("white", rows[~within])):
                 axes.plot(some["load_n"], some[name], "o", color=colour, markerfacecolor=fill, ms=4)
-        # Beyond the amplitude's last load: no line of another amplitude is crossed.
+        # Contact, beyond the last load with a gap: no line of another amplitude is crossed.
         last_n, most_n = rows["load_n"].max(), data["load_n"].max()
         gap.plot([last_n, 1.2 * most_n], 2 * [amplitude], ":", color=colour, linewidth=1.2)
     gap.set(title="(a) gap", ylabel="gap $h_0$ (µm)")
@@ -234,7 +234,7 @@ def levitation(results: Results) -> Figure:
     ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
     if (shares := (ends / known["h0_m"]).dropna()).size:
         note += f"; modelling error up to {percent_text(float(shares.max()))} of a gap"
-    marks = "Dotted: contact, beyond the last load; grey: gaps of the study"
+    marks = "Dotted: h0 = hv (contact); grey: gaps of the study"
     if len(amplitudes) < (levels := screen["hv_um"].nunique()):
         marks = f"{len(amplitudes)} of the screen's {levels} amplitudes. {marks}"
     if (known["modified_reynolds"] > MAX_VALID_REYNOLDS).any():
