@@ -112,7 +112,9 @@ def test_a_style_file_of_the_study_is_used_and_a_wrong_one_is_named(study, tmp_p
 
 def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path, refused):
     words = ["plot", "fig99", study.root, "--config", study.config]
-    assert "figures are overview, vibration" in refused(*words, "--output", tmp_path / "a.png")
+    names = refused(*words, "--output", tmp_path / "a.png").partition("figures are ")[2].strip()
+    assert {"overview", "response", "vibration"} <= {*names.split(", ")}
+    assert names.split(", ") == sorted(names.split(", "))
     assert "name ends in .png" in refused(*words, "--output", tmp_path / "a.mp4")
     assert "drawn by" in refused("plot", "overview", *words[2:], "--output", tmp_path / "a.csv")
 
