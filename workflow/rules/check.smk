@@ -61,10 +61,11 @@ rule verdict:
         "cp {input.text:q} {log:q} && grep -q '^All .* passed' {input.text:q} && cp {input.text:q} {output:q}"
 
 
-# Files that were compared are asked for too, so that one that was deleted is made again.
+# What was compared and the table are asked for too: made again where deleted, then judged again.
 rule check:
     input:
         rules.checked.input,
+        rules.compare_with_reference.output,
         passed=rules.verdict.output,
     log:
         "<logs>/check/shown.log",
