@@ -32,6 +32,8 @@ WRONG = {
     HEAD + ROW + "\n5,1,10,0": "line 3: force_uncertainty_n is 0; it must be above 0",
     HEAD.replace("mN", "kg")
     + ROW: "measured.csv: column 'force [kg]' needs a unit, one of force_n, force_mn;",
+    HEAD.replace("hv [µm]", "hv [µm/N]")
+    + ROW: "measured.csv: column 'hv [µm/N]' needs a unit, one of hv_m",
     HEAD.replace("force [mN]", "thrust") + ROW: "measured.csv: unknown column 'thrust'",
     HEAD + ",h0 uncertainty [nm]\n5,4,9,1,2e3": "line 2 with its uncertainties: hv = 4 µm",
 }

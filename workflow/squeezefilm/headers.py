@@ -23,8 +23,6 @@ UNIT_OF_NAME = {
 """Other names of units, without accents."""
 PER_SECOND_PATTERN = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
-OVER_DRIVE_PATTERN = re.compile(r"(?<=[sg²2])\s*/\s*v$|\s*/\s*(?:n|lbf)$")
-"""The force or voltage of a frequency response; m/V alone may be a decoder's scale."""
 ORIGIN_MICRO_ESCAPE = r"\g(m)"
 UNIT_START_PATTERN, WORD_SEPARATOR_PATTERN = (
     re.compile(r"[\s_/,.\[(]+"),
@@ -41,7 +39,7 @@ def fold_accents(text: str) -> str:
 def normalised_unit(text: str) -> str:
     """A unit with its brackets taken off, in one spelling: ``(Degrees)`` is ``deg``."""
     unit = fold_accents(text).replace(ORIGIN_MICRO_ESCAPE, "u").strip(" []()")
-    unit = OVER_DRIVE_PATTERN.sub("", re.sub("[_ ](?:per|pro|par|por)[_ ]", "/", unit))
+    unit = re.sub("[_ ](?:per|pro|par|por)[_ ]", "/", unit)
     unit = PER_SECOND_PATTERN.sub(lambda end: "/s²" if "2" in end.groups() else "/s", unit)
     return UNIT_OF_NAME.get(unit, unit)
 

@@ -32,38 +32,37 @@ def centre_of_symmetry(
     """
     from scipy.optimize import least_squares
 
-    every = slice(None, None, -(-len(x_m) // MAX_POINTS))
-    places, u = np.stack([x_m, y_m])[:, every], amplitude[every]
-    u = u / np.sqrt(np.mean(u**2))
-    free = np.ptp(places, axis=1) > 0
-    size_m = float(np.max(np.ptp(places, axis=1))) / 2
+    drawn = slice(None, None, -(-len(x_m) // MAX_POINTS))
+    positions_m, shape = np.stack([x_m, y_m])[:, drawn], amplitude[drawn]
+    if len(orders) >= len(shape) - 2:
+        return None
+    shape = shape / np.sqrt(np.mean(shape**2))
+    varied = np.ptp(positions_m, axis=1) > 0
+    half_extent_m = float(np.max(np.ptp(positions_m, axis=1))) / 2
 
-    def residual(shift: np.ndarray, some: ModeOrders) -> np.ndarray:
-        moved = places.copy()
-        moved[free] -= size_m * shift[:, None]
-        modes = surface.modes_at(some, *moved)
-        return np.asarray(u - modes @ np.linalg.lstsq(modes, u, rcond=None)[0])
+    def residual(offset: np.ndarray, orders_of_parity: ModeOrders) -> np.ndarray:
+        about_m = positions_m.copy()
+        about_m[varied] -= half_extent_m * offset[:, None]
+        modes = surface.modes_at(orders_of_parity, *about_m)
+        return np.asarray(shape - modes @ np.linalg.lstsq(modes, shape, rcond=None)[0])
 
-    start = np.zeros(free.sum())
     # Degrees in x and y together: n of a disc's modes (n, m), i + j of a rectangle's (i, j).
-    odd = [(order[0] if isinstance(surface, Disc) else sum(order)) % 2 for order in orders]
-    halves = [
-        tuple(order for order, side in zip(orders, odd, strict=True) if side == parity)
-        for parity in {*odd}
-    ]
-    if len(orders) >= len(u) - 2:
-        return None
-    fits = [(least_squares(residual, start, args=(some,)), len(some)) for some in halves]
-    fit, modes = min(fits, key=lambda each: float(each[0].cost))
-    deviation = math.sqrt(2 * fit.cost / (len(u) - modes))
-    noise = float(np.linalg.norm(residual(start, orders))) / math.sqrt(len(u) - len(orders))
+    parities = [(order[0] if isinstance(surface, Disc) else sum(order)) % 2 for order in orders]
+    start = np.zeros(varied.sum())
+    fits = []
+    for parity in {*parities}:
+        of_parity = tuple(o for o, each in zip(orders, parities, strict=True) if each == parity)
+        fits.append((least_squares(residual, start, args=(of_parity,)), len(of_parity)))
+    fit, mode_count = min(fits, key=lambda pair: float(pair[0].cost))
+    deviation = math.sqrt(2 * fit.cost / (len(shape) - mode_count))
+    noise = float(np.linalg.norm(residual(start, orders))) / math.sqrt(len(shape) - len(orders))
     information = fit.jac.T @ fit.jac
-    if (
-        deviation > max(MAX_SYMMETRIC_RESIDUAL_RATIO * noise, MAX_SYMMETRIC_RESIDUAL_FRACTION)
-        or np.linalg.cond(information) > MAX_CONDITION_NUMBER
-    ):
+    symmetric = deviation <= max(
+        MAX_SYMMETRIC_RESIDUAL_RATIO * noise, MAX_SYMMETRIC_RESIDUAL_FRACTION
+    )
+    if not symmetric or np.linalg.cond(information) > MAX_CONDITION_NUMBER:
         return None
-    errors_m = size_m * deviation * np.sqrt(np.diag(np.linalg.inv(information)))
-    place_m = np.zeros(2)
-    place_m[free] = size_m * fit.x
-    return place_m, NORMAL_QUANTILE_95 * float(errors_m.max())
+    errors_m = half_extent_m * deviation * np.sqrt(np.diag(np.linalg.inv(information)))
+    centre_m = np.zeros(2)
+    centre_m[varied] = half_extent_m * fit.x
+    return centre_m, NORMAL_QUANTILE_95 * float(errors_m.max())

@@ -51,10 +51,13 @@ UNITS_OF_QUANTITY = UNITS_OF_SCAN_QUANTITY | {
     "time": unit_sizes("s"),
 }
 ROW_STATUS_QUANTITIES = ("status", "valid", "invalid")
-UNITS_OF_QUANTITY |= {"line": LENGTH_UNITS_M, "height": LENGTH_UNITS_M, "level": {}} | {
-    name: {} for name in ROW_STATUS_QUANTITIES
+UNITS_OF_QUANTITY |= {
+    "line": LENGTH_UNITS_M,
+    "height": LENGTH_UNITS_M,
+    "level": {},
+    "mean": dict(MOTION_UNITS),  # no motion beside an amplitude, which it is the mean of
+    **{name: {} for name in ROW_STATUS_QUANTITIES},
 }
-UNITS_OF_QUANTITY["mean"] = dict(MOTION_UNITS)
 """The same, with the amplitude along z, what rows of a place may differ by, a place on a line or
 along z, a motion in decibels, whether a row is valid, and the mean of several motions."""
 MOTION_QUANTITIES = {name for name, units in UNITS_OF_QUANTITY.items() if units is MOTION_UNITS}
@@ -66,6 +69,10 @@ AT_FREQUENCY_PATTERN = re.compile(
     r"@.*freq[^=]*=\s*(\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:[-+][-+\d.eE]+i)?\s*([A-Za-z]*)"
 )
 """How a program writes the frequency at which a column was solved, of a mode a complex one."""
+OVER_DRIVE_PATTERN = re.compile(
+    r"(?:(?<=[sg²2])\s*/\s*v|\s*/\s*(?:n|lbf))(?=[\s\])]*\Z)", re.IGNORECASE
+)
+"""The voltage or force that a response is over; m/V alone may be a decoder's scale."""
 LEADING_FREQUENCY_PATTERN = re.compile(r"\A\W*(\d+(?:\.\d*)?)\s*([kM]?Hz)\b(?=.*\w)", re.IGNORECASE)
 """The same before a name: ``43270 Hz Magnitude``."""
 DECIBELS_PATTERN = re.compile(
@@ -165,10 +172,9 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
 
 def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
-    for words, unit in possible_words_and_units(
-        RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", LEADING_FREQUENCY_PATTERN.sub("", name)),
-        ALL_UNITS,
-    ):
+    cell = OVER_DRIVE_PATTERN.sub("", LEADING_FREQUENCY_PATTERN.sub("", name))
+    cell = RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", cell)
+    for words, unit in possible_words_and_units(cell, ALL_UNITS):
         words, ratio = _split_amplitude_factor(words)
         quantity = quantity_of_words(words)
         if {*words} - IGNORED_WORDS == {"z"} and OMEGA_POWER_OF_UNIT.get(unit):
@@ -284,7 +290,7 @@ def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> l
 
 def _motion_column_of_letter(name: str, place: int) -> ScanColumn | None:
     """The motion that a cell names by a letter, and its unit if it has one: ``v [m/s]``."""
-    for words, unit in possible_words_and_units(name, ALL_UNITS):
+    for words, unit in possible_words_and_units(OVER_DRIVE_PATTERN.sub("", name), ALL_UNITS):
         power = OMEGA_POWER_OF_LETTER.get(words[0]) if len(words) == 1 else None
         if power is not None and (not unit or OMEGA_POWER_OF_UNIT.get(unit) == power):
             return ScanColumn(
@@ -380,7 +386,9 @@ def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[s
     It is one if some cells are known units, and none a number: one that is not known is named in a
     message if its column is needed.
     """
-    units = [re.sub(r"[\[\]()]", "", unit) for unit in map(normalised_unit, cells)]
+    units = [
+        re.sub(r"[\[\]()]", "", normalised_unit(OVER_DRIVE_PATTERN.sub("", cell))) for cell in cells
+    ]
     if not {*units} & ALL_UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
         return list(header)
     units += [""] * (len(header) - len(units))

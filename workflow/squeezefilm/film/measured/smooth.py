@@ -77,6 +77,8 @@ UNSIGNED_WARNING = (
 # and by how much points may miss a surface that is only to be told.
 MIN_SCAN_EXTENT_FRACTION, EXTENT_TOLERANCE_FRACTION = 0.1, 0.03
 EDGE_TOLERANCE_FRACTION = 1e-6
+# Origins are proposed in steps of so much.
+ORIGIN_STEP_M = 1e-6
 # About the middle of their extents, which may be off by half their distance, they miss it by more.
 MIDDLE_TOLERANCE_FRACTION = 0.1
 # An origin is doubted that is so much further from the shape's centre than this may be off.
@@ -494,29 +496,8 @@ def check_points(
 def _fitting_origin_or_unit_note(scan: Scan, surface: Surface) -> str:
     """The origin or the unit of positions by which a scan would cover its surface, if any."""
     reach = float(surface.relative_distance(scan.x_m, scan.y_m).max())
-    if reach > 1:
-        places_m = np.stack([scan.x_m, scan.y_m])
-        middle_m = (places_m.min(axis=1) + places_m.max(axis=1)) / 2
-        half_m = np.ptp(places_m, axis=1) / 2
-        slack_m = float(np.max((surface.half_extents_m - half_m)[half_m > 0]))
-        way = f", which may be {1e3 * slack_m:.2g} mm off: write the actuator's true centre"
-        ways = [(middle_m, "the middle of their extents" + way * (slack_m >= 1e-6))]
-        centre = _centre_of_symmetry(scan, middle_m, surface)
-        if centre and centre[1] < slack_m / 2:
-            way = f"where the shape is symmetric (± {max(1e3 * centre[1], 1e-3):.1g} mm)"
-            ways.insert(0, (middle_m + centre[0], way))
-        for place_m, way in ways:
-            place_m = np.round(place_m + scan.origin_m, 6) + 0.0  # as in the message
-            x_m, y_m = place_m - scan.origin_m
-            beyond = surface.relative_distance(scan.x_m - x_m, scan.y_m - y_m).max() - 1
-            named = "[" + ", ".join(f"{1e3 * each:.6g} mm" for each in place_m) + "]"
-            if beyond <= EDGE_TOLERANCE_FRACTION:
-                return f"; all lie on it with actuator.profile.origin: {named}, {way}"
-        if beyond <= EXTENT_TOLERANCE_FRACTION:
-            return (
-                f"; about the middle of their extents, {named}, they reach beyond it by "
-                f"{beyond:.1%}: correct {surface.config_key} too"
-            )
+    if reach > 1 and (note := _fitting_origin_note(scan, surface)):
+        return note
     for factor, text in ((1e3, "1000 times larger"), (1e-3, "1000 times smaller")):
         if MIN_SCAN_EXTENT_FRACTION < factor * reach <= 1 + EXTENT_TOLERANCE_FRACTION:
             return (
@@ -526,10 +507,40 @@ def _fitting_origin_or_unit_note(scan: Scan, surface: Surface) -> str:
     return ""
 
 
+def _fitting_origin_note(scan: Scan, surface: Surface) -> str:
+    """The origin with which all points lie on the surface: the shape's centre or their middle."""
+    positions_m = np.stack([scan.x_m, scan.y_m])
+    middle_m = (positions_m.min(axis=1) + positions_m.max(axis=1)) / 2
+    half_extents_m = np.ptp(positions_m, axis=1) / 2
+    margin_m = float(np.max((surface.half_extents_m - half_extents_m)[half_extents_m > 0]))
+    origins = [(middle_m, "the middle of their extents")]
+    if margin_m >= ORIGIN_STEP_M:
+        doubt = f", which may be {1e3 * margin_m:.2g} mm off: write the actuator's true centre"
+        origins = [(middle_m, origins[0][1] + doubt)]
+    centre = _centre_of_symmetry(scan, middle_m, surface)
+    if centre and centre[1] < margin_m / 2:
+        offset_m, error_m = centre
+        text = f"where the shape is symmetric (± {max(1e3 * error_m, 1e-3):.1g} mm)"
+        origins.insert(0, (middle_m + offset_m, text))
+    for position_m, text in origins:
+        origin_m = ORIGIN_STEP_M * np.round((position_m + scan.origin_m) / ORIGIN_STEP_M) + 0.0
+        x_m, y_m = origin_m - scan.origin_m
+        beyond = surface.relative_distance(scan.x_m - x_m, scan.y_m - y_m).max() - 1
+        origin_text = "[" + ", ".join(f"{1e3 * each:.6g} mm" for each in origin_m) + "]"
+        if beyond <= EDGE_TOLERANCE_FRACTION:
+            return f"; all lie on it with actuator.profile.origin: {origin_text}, {text}"
+    if beyond <= EXTENT_TOLERANCE_FRACTION:
+        return (
+            f"; about the middle of their extents, {origin_text}, they reach beyond it by "
+            f"{beyond:.1%}: correct {surface.config_key} too"
+        )
+    return ""
+
+
 def _centre_of_symmetry(
     scan: Scan, start_m: np.ndarray, surface: Surface
 ) -> tuple[np.ndarray, float] | None:
-    """The shape's centre of symmetry from a place in the scan, and its error, if it has one."""
+    """The shape's centre of symmetry from a position in the scan, and its error, if it has one."""
     x_m, y_m = scan.x_m - start_m[0], scan.y_m - start_m[1]
     if surface.relative_distance(x_m, y_m).max() > 1 + MIDDLE_TOLERANCE_FRACTION:
         return None
@@ -543,19 +554,23 @@ def _centre_of_symmetry(
 
 
 def _origin_note(scan: Scan, surface: Surface) -> list[str]:
-    """A note where the shape is symmetric about another place than the origin that is given."""
-    if scan.origin_m == (0.0, 0.0):
+    """A note where the shape is symmetric about another position than the origin given."""
+    if scan.origin_m == (0.0, 0.0) or not (
+        centre := _centre_of_symmetry(scan, np.zeros(2), surface)
+    ):
         return []
-    place_m, error_m = _centre_of_symmetry(scan, np.zeros(2), surface) or (np.zeros(2), 0.0)
-    away_m = float(np.hypot(*place_m))
-    reach = surface.relative_distance(scan.x_m - place_m[0], scan.y_m - place_m[1]).max()
-    sure = away_m > error_m + MIN_ORIGIN_OFFSET_FRACTION * surface.half_extents_m[0]
-    x_mm, y_mm = 1e3 * (place_m + scan.origin_m)
+    offset_m, error_m = centre
+    distance_m = float(np.hypot(*offset_m))
+    reach = surface.relative_distance(scan.x_m - offset_m[0], scan.y_m - offset_m[1]).max()
+    least_m = error_m + MIN_ORIGIN_OFFSET_FRACTION * surface.half_extents_m[0]
+    if distance_m <= least_m or reach > 1 + EXTENT_TOLERANCE_FRACTION:
+        return []
+    x_mm, y_mm = 1e3 * (offset_m + scan.origin_m)
     return [
         f"the shape is symmetric about [{x_mm:.2f} mm, {y_mm:.2f} mm] (± {1e3 * error_m:.1g} mm), "
-        f"{1e3 * away_m:.2f} mm from actuator.profile.origin: if the actuator's centre is there, "
-        "write it; no error here contains this"
-    ] * bool(sure and reach <= 1 + EXTENT_TOLERANCE_FRACTION)
+        f"{1e3 * distance_m:.2f} mm from actuator.profile.origin: if the actuator's centre is "
+        "there, write it; no error here contains this"
+    ]
 
 
 def _turned_to_main_phase(amplitude_m: np.ndarray) -> np.ndarray:

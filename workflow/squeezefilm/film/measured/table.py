@@ -27,7 +27,7 @@ import csv
 import io
 import re
 from collections.abc import Callable, Collection, Sequence
-from itertools import pairwise
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +45,6 @@ from squeezefilm.film.measured.cells import (
 from squeezefilm.film.measured.columns import (
     ALL_UNITS,
     COORDINATE_UNITS,
-    FREQUENCY_UNITS_HZ,
     ROW_STATUS_QUANTITIES,
     UNITS_OF_SCAN_QUANTITY,
     WORDS_OF_MEANING,
@@ -58,7 +57,6 @@ from squeezefilm.film.measured.columns import (
 )
 from squeezefilm.film.measured.scan import (
     FREQUENCY_NEEDED_MESSAGE,
-    MAX_MODE_DISTANCE_FRACTION,
     MIN_SCAN_POINTS,
     SAME_POSITION_DISTANCE_M,
     Scan,
@@ -67,8 +65,13 @@ from squeezefilm.film.measured.scan import (
     missing_points_note,
     nearest_spectral_line,
 )
+from squeezefilm.film.measured.table_parts import (
+    COMMENT_PATTERN,
+    MAX_TITLE_LINES,
+    lines_of_one_table,
+)
 from squeezefilm.film.measured.validity import valid_rows
-from squeezefilm.headers import fold_accents, normalised_unit
+from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
 
 SCAN_FORMAT_TEXT = (
@@ -90,7 +93,6 @@ BETWEEN_NAMES_PATTERN = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instan
 ASIAN_WORDS = [word for words in WORDS_OF_MEANING.values() for word in words if word >= "\u3000"]
 # Among which the line that names columns is sought, and by how many quantities it is known.
 MAX_LINES_ABOVE_HEADER, MIN_HEADER_QUANTITIES = 100, 2
-COMMENT_PATTERN = re.compile(r"\A\s*[#%!][#%!\s]*")
 LENGTH_UNIT_PATTERN = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
 """How a program says, above the header, in which unit places are."""
 REMEDY_OF_FILE_SIGNATURE = {
@@ -125,18 +127,11 @@ REMEDY_OF_TEXT_PATTERN = {
     r"\AIGOR\s": "an Igor text file; save the waves as delimited text",
 }
 """What such files of text contain, by patterns, and what to do with them."""
-FREQUENCY_LINE_PATTERN = re.compile(
-    r"(?:\A[#%!\s]*|\d\s+)(?:(?:excitation|drive|driving)\s+)?"
-    rf"(?:{'|'.join(WORDS_OF_MEANING['frequency'])})\W*?(?:[\[(]([kmg]?hz)[\])])?[\s\"]*[:=;,\t]"
-    r"[\s\"=]*(\d+(?:[.,]\d*)?(?:e[-+]?\d+)?)\s*([kmg]?hz)?[\s\";,]*(?:\(.*)?$"
-)
-"""How a line above the header tells the frequency of the table."""
 PLAIN_NUMBER_PATTERN = re.compile(r"[-+]?[.,]?\d[\d.,]*(?:[eEdD][-+]?\d+)?$")
-UNIT_IN_BRACKETS_PATTERN = re.compile(r"\s*[\[(][^\[\]()]*[\])]|_[mu]?m\b")
 LABVIEW_UNIT_LINE_PREFIX = "Y_Unit_Label"
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
-WORD_LINE_PATTERN, MAX_TITLE_LINES = re.compile(r"[^\W\d_]{2,}.*"), 5
+WORD_LINE_PATTERN = re.compile(r"[^\W\d_]{2,}.*")
 RULED_LINE_PATTERN = re.compile(r"[-=*_\s]{3,}")
 # A row of numbers, or one that begins with a word, such as a part's name.
 NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN = (
@@ -206,17 +201,17 @@ def read_point_table(
             also = _line_or_part_hint(lines[first:], separator, columns) if rows is not None else ""
             raise InputError("; and ".join(problems) + also)
     needed = max(taken) + 1
-    place_columns = [
-        column.column_index
-        for name, column in columns.items()
-        if name in COORDINATE_UNITS and rows is not None
-    ]
     in_columns = at_frequency or any(
         each.quantity == "frequency" for each in header_columns(header)
     )
-    lines, joined = _lines_of_one_table(
-        *(lines, index, first, separator, place_columns),
+    lines, joined = lines_of_one_table(
+        lines,
+        header_line=index,
+        first_row=first,
         frequency_hz=None if in_columns else frequency_hz,
+        position_of_row=None
+        if rows is None
+        else partial(_position_cells, separator=separator, columns=columns),
     )
     notes += joined
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
@@ -273,77 +268,14 @@ def _line_or_part_hint(rows: Sequence[str], separator: str, columns: dict[str, S
     return ""
 
 
-def _lines_of_one_table(
-    lines: Sequence[str],
-    index: int,
-    first: int,
-    separator: str,
-    place_columns: Sequence[int],
-    *,
-    frequency_hz: float | None,
-) -> tuple[list[str], list[str]]:
-    """The lines with one table, empty in place of others: all its pages, or that at the frequency.
-
-    Raises:
-        InputError: for a second table of the same places, and one at another frequency.
-    """
-
-    def place(line: str) -> tuple[str, ...]:
-        cells = _split_cells(line, separator)
-        cells = [cells[at] for at in place_columns if at < len(cells)]
-        numbers = len(cells) == len(place_columns) and all(map(PLAIN_NUMBER_PATTERN.match, cells))
-        return tuple(cells) if numbers else ()
-
-    name = UNIT_IN_BRACKETS_PATTERN.sub("", lines[index]).split()
-    starts = [index] + [
-        at
-        for at in range(first, len(lines))
-        if lines[at].lstrip()[:1] == lines[index].lstrip()[:1]
-        and UNIT_IN_BRACKETS_PATTERN.sub("", lines[at]).split() == name
-        and not COMMENT_PATTERN.match(lines[index])
-    ]
-    tables = [range(start + first - index, end) for start, end in pairwise([*starts, len(lines)])]
-    said_hz = [_frequency_of_lines(lines[:index])]
-    for rows in tables[:-1]:  # a page without one is of the last
-        last = [lines[at] for at in rows[-MAX_TITLE_LINES - 1 :]]
-        said_hz.append(_frequency_of_lines(last) or said_hz[-1])
-    line_hz, notes = None, [f"{len(tables)} tables with one header joined"] * (len(tables) > 1)
-    if frequency_hz and (known_hz := np.array([each for each in said_hz if each])).size:
-        line_hz, far = nearest_spectral_line(known_hz, frequency_hz)
-        several = len({*known_hz}) > 1
-        if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION or (far and several):
-            raise InputError(f"a line above the header tells another frequency: {far}")
-        if several:
-            named = list_text([f"{each:.7g}" for each in known_hz])
-            notes = [f"read at {line_hz:.7g} Hz, of tables at {named} Hz"]
-        elif line_hz != frequency_hz:
-            notes.append(f"read at {line_hz:.7g} Hz")
-    if len(tables) == 1:
-        return list(lines), notes
-    kept, seen = {*range(first)}, dict[tuple[str, ...], int]()
-    for number, (rows, said) in enumerate(zip(tables, said_hz, strict=True)):
-        if line_hz and said != line_hz:
-            continue
-        placed = {at: place(lines[at]) for at in rows}
-        if not place_columns or any(
-            seen.get(each, number) != number for each in placed.values() if each
-        ):
-            raise InputError(
-                f"line {starts[number] + 1}: the header stands again: a second table; keep the "
-                "rows of one, or join them below one header"
-            )
-        seen |= {each: number for each in placed.values()}
-        kept |= {at for at, each in placed.items() if each}
-    return [line if at in kept else "" for at, line in enumerate(lines)], notes
-
-
-def _frequency_of_lines(lines: Sequence[str]) -> float | None:
-    """The frequency that the last of some lines with one says: ``FREQ: 4.327E+04``."""
-    for match in map(FREQUENCY_LINE_PATTERN.search, map(fold_accents, reversed(lines))):
-        if match:
-            unit = match[1] or match[3] or "hz"
-            return float(match[2].replace(",", ".")) * FREQUENCY_UNITS_HZ[unit] or None
-    return None
+def _position_cells(row: str, *, separator: str, columns: dict[str, ScanColumn]) -> tuple[str, ...]:
+    """The cells of a row's position; none where one of them is no number."""
+    cells = _split_cells(row, separator)
+    places = [columns[name].column_index for name in COORDINATE_UNITS if name in columns]
+    if max(places) >= len(cells):
+        return ()
+    position = tuple(cells[place] for place in places)
+    return position if all(map(PLAIN_NUMBER_PATTERN.match, position)) else ()
 
 
 def _rows_of_requested_measurement(
