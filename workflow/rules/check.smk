@@ -49,7 +49,7 @@ rule verdict:
         rules.compare_with_reference.output.page,
         text=rules.compare_with_reference.output.text,
     output:
-        temp("<results>/check/passed.txt"),
+        "<results>/check/passed.txt",
     log:
         "<logs>/check/verdict.log",
     localrule: True

@@ -45,11 +45,15 @@ class Results:
         """The simulated forces of a plan, of which none may be missing."""
         return read_ok_forces(self.folder / f"simulations/{plan}/forces.csv")
 
+    def simulated_points(self, plan: str) -> pd.DataFrame:
+        """All points of a plan, of which some may have no force; ``status`` gives the reason."""
+        return read_forces(self.folder / f"simulations/{plan}/forces.csv")
+
     def validation_sample(self, space: str) -> tuple[pd.DataFrame, Factors]:
         """The validation sample of a space, with points that have no force, and its factors."""
-        plan = self.folder / f"simulations/validation_{space}"
-        forces = read_forces(plan / "forces.csv")
-        return forces, factors_of_table(forces, limits=plan / "limits.csv")
+        plan = f"validation_{space}"
+        forces, limits = self.simulated_points(plan), self.folder / f"simulations/{plan}/limits.csv"
+        return forces, factors_of_table(forces, limits=limits)
 
     def scenes(self, plan: str) -> pd.DataFrame:
         """The points of a plan."""

@@ -13,7 +13,6 @@ from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import column_label
 from squeezefilm.provenance import provenance_record
-from squeezefilm.tables import read_forces
 from squeezefilm.units import error_text, value_and_error_texts
 from squeezefilm_workflow.reporting.notes import (
     CLAIM_COLUMNS_SHOWN,
@@ -60,10 +59,7 @@ def summary_values(
     Raises InputError for a result that is missing or lacks what it must have.
     """
     config = results.config
-    # Points of a validation sample may have no force.
-    tables = {
-        plan: read_forces(results.folder / f"simulations/{plan}/forces.csv") for plan in plans
-    }
+    tables = {plan: results.simulated_points(plan) for plan in plans}
     sections = config.sections_as_dict("gas", "actuator", "pad", "solver")
     settings = pd.json_normalize(sections, sep=": ").iloc[0].map(_setting_text)
     on_disc = find_position_columns(next(iter(tables.values()))) == POLAR_COLUMNS
@@ -177,11 +173,11 @@ def modelling_error_text(results: Results) -> str:
         return ""
     lower, upper = MODELLING_ERROR_COLUMNS
     bounds = table.groupby("h0_m").agg({lower: "min", upper: "max"}).iloc[[0, -1]]
-    ends = {
-        f"{signed_text(low)}…{signed_text(high)} % (h0 = {1e6 * h0_m:g} µm)": None
+    texts = [
+        f"{signed_text(low)}…{signed_text(high)} % (h0 = {1e6 * h0_m:g} µm)"
         for h0_m, low, high in bounds.itertuples()
-    }
-    return " to ".join(ends)
+    ]
+    return " to ".join(dict.fromkeys(texts))
 
 
 def _effect_rows(results: Results) -> pd.DataFrame:
