@@ -155,7 +155,7 @@ def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer)
 def test_the_result_names_its_model_and_what_its_error_is_of(explorer):
     said = explorer.browser.run("return document.querySelector('.answer').innerText").lower()
     assert "mean force by the model two factors (5 design points)" in said
-    assert "the error is that of the model against the film equation; neglected effects" in said
+    assert "the error is that of the model against the film equation; the neglected effects" in said
 
 
 def test_the_page_gives_a_value_the_digits_of_its_error_as_the_library_does(explorer):
