@@ -205,7 +205,8 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
     assert "Positions are those of the plan; on a wave include a crest and a node line." in text
     bounds = "−1.2…+0.5 % (h0 = 5 µm) to −2…+11 % (h0 = 6 µm)"
-    assert f"{bounds} of the force, by the neglected effects that the error budget solves for" in text
+    effects = "the neglected effects that the error budget solves for"
+    assert f"{bounds} of the force, by {effects}" in text
     assert ", with 1.1 times the screen's largest amplitude" in text
 
 
