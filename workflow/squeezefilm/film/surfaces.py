@@ -5,7 +5,7 @@ are 1 at its edge: on a disc over its radius, on a rectangle each over half its 
 """
 
 from dataclasses import dataclass, field
-from math import cos, pi, radians, sin
+from math import cos, floor, pi, radians, sin
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -66,6 +66,22 @@ class Disc:
     def position_text(self, x_m: float, y_m: float) -> str:
         """A place in words."""
         return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
+
+    def pad_extent_text(self, outline_m: np.ndarray) -> str:
+        """Extent of a pad by points of its edge from its centre, shape (n, 2), in words."""
+        return f"it reaches {np.hypot(*outline_m.T).max() * 1e3:.4g} mm from its centre"
+
+    def allowed_positions_text(self, outline_m: np.ndarray, x_m: float, y_m: float) -> str:
+        """The limit of a pad's position in the direction of one, in words.
+
+        outline_m, shape (n, 2), are points of the pad's edge from its centre; with its centre at
+        the surface's the pad must lie on the surface.
+        """
+        along_m = outline_m @ (x_m, y_m) / np.hypot(x_m, y_m)
+        room_m = np.sqrt(along_m**2 + self.radius_m**2 - np.sum(outline_m**2, axis=1)) - along_m
+        return (
+            f"in this direction its centre may lie at most {_mm_rounded_down(room_m.min())} mm out"
+        )
 
     def net_points_and_weights(
         self, *, finer: bool = False
@@ -156,7 +172,15 @@ class Rectangle:
         return (abs(c) * self.length_x_m + abs(s) * self.length_y_m) / 2
 
     def position_text(self, x_m: float, y_m: float) -> str:
-        return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
+        return f"at x = {x_m * 1e3:z.2f} mm, y = {y_m * 1e3:z.2f} mm"
+
+    def pad_extent_text(self, outline_m: np.ndarray) -> str:
+        x_mm, y_mm = np.ptp(outline_m, axis=0) * 1e3
+        return f"it is {x_mm:.4g} × {y_mm:.4g} mm along x and y"
+
+    def allowed_positions_text(self, outline_m: np.ndarray, x_m: float, y_m: float) -> str:
+        x, y = map(_mm_rounded_down, self.half_extents_m - np.abs(outline_m).max(axis=0))
+        return f"its centre must lie within x = ±{x} mm, y = ±{y} mm"
 
     def net_points_and_weights(
         self, *, finer: bool = False
@@ -212,3 +236,8 @@ class Rectangle:
 
 
 Surface = Disc | Rectangle
+
+
+def _mm_rounded_down(length_m: float) -> str:
+    """A length that is allowed, in millimetres."""
+    return f"{floor(length_m * 1e5 * (1 + 1e-12)) / 100:g}"

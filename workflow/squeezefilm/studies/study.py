@@ -16,7 +16,7 @@ from squeezefilm.film.positions import POLAR_COLUMNS, cartesian_from_polar, colu
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.symmetry import DirectionSector
-from squeezefilm.film.validity import check_scene, check_scenes
+from squeezefilm.film.validity import check_pad_fits, check_scene, check_scenes
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, read_measurements
 
@@ -97,7 +97,7 @@ def check_study(config: Study) -> Study:
     Raises InputError naming the section and the point that has no physical meaning.
     """
     with prefix_errors(config.path):
-        config.read_pad()
+        check_pad_fits(config.read_pad(), config.actuator.surface)
         if path := config.scan_path:
             from squeezefilm.film.measured.read import read_scan
             from squeezefilm.film.measured.smooth import check_points
