@@ -18,6 +18,7 @@ from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.units import (
+    error_text,
     quantity_and_unit_of_column,
     round_up_error,
     split_unit,
@@ -39,6 +40,12 @@ FRACTION_COLUMNS = (
     "worst_relative_error",
     "worst_error",
 )
+ERROR_PERCENT_COLUMNS = (
+    "error_95_percent",
+    "error_95_without_scan_percent",
+    "profile_uncertainty_percent",
+)
+"""Errors without a value beside them: rounded up, as those with one are."""
 HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
     *("bearing_percent", "bearing_error_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
@@ -176,6 +183,8 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     stem, unit = quantity_and_unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
+    if name in ERROR_PERCENT_COLUMNS and value == value:
+        return f"{error_text(value)} %"
     errors = [row[each] for each in error_columns(name, row)]
     if errors and stem in NON_NEGATIVE_QUANTITIES and round_up_error(max(errors)) >= value:
         bound = value_text(round_up_error(value + max(errors)), unit)
@@ -207,7 +216,7 @@ def _take_result_lines(row: Row) -> LabelledLines:
     reason = str(row.get("note", "")) if "95" in column else ""
     if reason.startswith(NOT_VALIDATED_TEXT):
         # What the model's errors are elsewhere is not of this point.
-        for other in ("note", "validation", "error_95_percent"):
+        for other in ("note", "validation", *ERROR_PERCENT_COLUMNS):
             row.pop(other, None)
     else:
         reason = NOT_AVAILABLE_TEXT

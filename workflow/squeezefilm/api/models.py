@@ -116,14 +116,11 @@ class Fit:
             factors = fit.folded_factors(factors_of_table(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            percent = 100 * error_95_n / np.abs(force_n)
         return points.assign(
             force_n=force_n,
             error_95_n=error_95_n,
             error_99_n=error_99_n,
-            error_95_percent=percent,
-            **fit.profile_uncertainty_column,
+            **fit.error_percent_columns(error_95_n, force_n),
             validity=fit.validity(factors),
             note=notes,
         )

@@ -15,7 +15,7 @@ from squeezefilm.api.film import Film, factor_combinations
 from squeezefilm.columns import error_columns
 from squeezefilm.config.loading import load_film
 from squeezefilm.errors import InputError
-from squeezefilm.formatting import json_text, result_lines_text
+from squeezefilm.formatting import ERROR_PERCENT_COLUMNS, json_text, result_lines_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import checked_table_path, write_table
@@ -31,7 +31,6 @@ HELP_OF_FACTOR = {
     "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
     "phi": "and direction, e.g. 45deg",
 }
-ERROR_PERCENT_COLUMNS = ("error_95_percent", "profile_uncertainty_percent")
 SEVERAL_VALUES_HELP = (
     "each a value, several (5um,6um) or first:last:count (5:10:6um: 6 values), in every combination"
 )
