@@ -140,6 +140,15 @@ def number_in_unit(text: str, unit: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
+def corrected_quantity_text(text: str, unit: str) -> str:
+    """Return a quantity with a decimal point and its unit's capitals; empty if it is none then."""
+    match = NUMBER_PATTERN.match(pointed := re.sub(r"(?<=\d),(?=\d)", ".", text, count=1))
+    written = pointed[match.end() :].strip() if match else ""
+    names = [name for name in unit_sizes(unit) if name.lower() == written.lower()]
+    name = written if written in names else names[0] if len(names) == 1 else ""
+    return f"{match[1]} {name}" if match and name else ""
+
+
 def quantity_of_unit(unit: str) -> str:
     """Return what a unit measures, such as ``a length``; an empty text if it is none of these."""
     wanted = parse_compound_unit(unit)
@@ -158,7 +167,9 @@ def parse_quantity(text: str, *, option: str, unit: str) -> float:
     value = None if NUMBER_PATTERN.fullmatch(text) else number_in_unit(text, unit)
     if value is None:
         names = ", ".join(name for name in unit_sizes(unit) if "μ" not in name)  # µ is there too
-        raise InputError(f"{option} {text!r} must be one number with its unit: {names}")
+        corrected = corrected_quantity_text(text, unit)
+        hint = f"; did you mean {corrected!r}?" if corrected else ""
+        raise InputError(f"{option} {text!r} must be one number with its unit: {names}{hint}")
     return value
 
 
