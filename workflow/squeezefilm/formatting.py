@@ -72,6 +72,8 @@ COLUMNS_WITHOUT_MODELLING_ERROR = ("stiffness_n_per_m", "resonance_hz", "damping
 # An effect is shown as a bound where it is less than this fraction of its error.
 MIN_EFFECT_OVER_ERROR = 0.1
 SYMMETRY_OF_DOMAIN = {"whole": "none", "quarter": "x and y", "radius": "all around"}
+MIN_VALUE_WITH_PREFIX, MIN_STIFFNESS_IN_MEGANEWTONS = 1e3, 1e7
+"""Of stiffnesses in N/m: shown in kN/m and in MN/m from there."""
 MIN_VALUE_SHOWN_IN_MILLI, MIN_VALUE_WITHOUT_EXPONENT, MIN_EFFECT_SHOWN_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]
@@ -132,8 +134,9 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
     if unit in ("m", "s") and 0 < abs(value) < 1:
         prefix, size = ("m", 1e3) if abs(value) >= MIN_VALUE_SHOWN_IN_MILLI else ("µ", 1e6)
         unit = prefix + unit
-    if unit == "N/m" and abs(value) >= 1000:
-        unit, size = "kN/m", 1e-3
+    if unit == "N/m" and abs(value) >= MIN_VALUE_WITH_PREFIX:
+        mega = abs(value) >= MIN_STIFFNESS_IN_MEGANEWTONS
+        unit, size = ("MN/m", 1e-6) if mega else ("kN/m", 1e-3)
     text = f"{size * value:.{max(digits, len(f'{abs(size * value):.0f}'))}g}"
     if error is not None:
         text = " ± ".join(value_and_error_texts(size * value, size * error))

@@ -72,7 +72,7 @@ UNITS = {
         PREFIX_FACTORS[prefix] * size, {base: Fraction(n) for base, n in power.items()}
     )
     for name, prefixes, size, power in (
-        ("N", "m", 1.0, {"N": 1}),
+        ("N", "mkM", 1.0, {"N": 1}),
         ("m", "muµμncp", 1.0, {"m": 1}),
         ("s", "m", 1.0, {"s": 1}),
         ("deg", "", 1.0, {"deg": 1}),
@@ -115,6 +115,14 @@ def unit_sizes(unit: str) -> dict[str, float]:
     """The simple units that measure what a unit does, each with its size in it."""
     wanted = parse_compound_unit(unit)
     return {name: each.size for name, each in UNITS.items() if wanted and each[1:] == wanted[1:]}
+
+
+def unit_size(unit: str, *, of: str) -> float:
+    """Return the size of a unit in another, both of which are known: 1000 of kN/m in N/m."""
+    size, whole = parse_compound_unit(unit), parse_compound_unit(of)
+    assert size, unit
+    assert whole, of
+    return size.size / whole.size
 
 
 def quantity_examples_text(unit: str) -> str:
