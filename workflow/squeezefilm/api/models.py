@@ -225,7 +225,9 @@ class Fit:
 
 def _points_with_factor_columns(points: pd.DataFrame, *, needed: Sequence[str]) -> pd.DataFrame:
     """Points with the factors under their own names, and the user's own columns beside them."""
-    return pd.DataFrame(normalise_points(points, needed=needed, others="ignored"))
+    from squeezefilm.api.points import Points
+
+    return Points(normalise_points(points, needed=needed, others="ignored"))
 
 
 @dataclass(frozen=True, repr=False)
