@@ -18,6 +18,7 @@ from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.units import (
+    error_text,
     quantity_and_unit_of_column,
     round_up_error,
     split_unit,
@@ -39,6 +40,12 @@ FRACTION_COLUMNS = (
     "worst_relative_error",
     "worst_error",
 )
+ERROR_PERCENT_COLUMNS = (
+    "error_95_percent",
+    "error_95_without_scan_percent",
+    "profile_uncertainty_percent",
+)
+"""Errors without a value beside them: rounded up, as those with one are."""
 HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
     *("bearing_percent", "bearing_error_percent"),
     *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
@@ -65,6 +72,8 @@ COLUMNS_WITHOUT_MODELLING_ERROR = ("stiffness_n_per_m", "resonance_hz", "damping
 # An effect is shown as a bound where it is less than this fraction of its error.
 MIN_EFFECT_OVER_ERROR = 0.1
 SYMMETRY_OF_DOMAIN = {"whole": "none", "quarter": "x and y", "radius": "all around"}
+MIN_VALUE_WITH_PREFIX, MIN_STIFFNESS_IN_MEGANEWTONS = 1e3, 1e7
+"""Of stiffnesses in N/m: shown in kN/m and in MN/m from there."""
 MIN_VALUE_SHOWN_IN_MILLI, MIN_VALUE_WITHOUT_EXPONENT, MIN_EFFECT_SHOWN_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]
@@ -125,8 +134,9 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
     if unit in ("m", "s") and 0 < abs(value) < 1:
         prefix, size = ("m", 1e3) if abs(value) >= MIN_VALUE_SHOWN_IN_MILLI else ("µ", 1e6)
         unit = prefix + unit
-    if unit == "N/m" and abs(value) >= 1000:
-        unit, size = "kN/m", 1e-3
+    if unit == "N/m" and abs(value) >= MIN_VALUE_WITH_PREFIX:
+        mega = abs(value) >= MIN_STIFFNESS_IN_MEGANEWTONS
+        unit, size = ("MN/m", 1e-6) if mega else ("kN/m", 1e-3)
     text = f"{size * value:.{max(digits, len(f'{abs(size * value):.0f}'))}g}"
     if error is not None:
         text = " ± ".join(value_and_error_texts(size * value, size * error))
@@ -176,6 +186,8 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     stem, unit = quantity_and_unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
+    if name in ERROR_PERCENT_COLUMNS and value == value:
+        return f"{error_text(value)} %"
     errors = [row[each] for each in error_columns(name, row)]
     if errors and stem in NON_NEGATIVE_QUANTITIES and round_up_error(max(errors)) >= value:
         bound = value_text(round_up_error(value + max(errors)), unit)
@@ -207,7 +219,7 @@ def _take_result_lines(row: Row) -> LabelledLines:
     reason = str(row.get("note", "")) if "95" in column else ""
     if reason.startswith(NOT_VALIDATED_TEXT):
         # What the model's errors are elsewhere is not of this point.
-        for other in ("note", "validation", "error_95_percent"):
+        for other in ("note", "validation", *ERROR_PERCENT_COLUMNS):
             row.pop(other, None)
     else:
         reason = NOT_AVAILABLE_TEXT
