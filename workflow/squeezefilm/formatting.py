@@ -48,7 +48,7 @@ NOT_VALIDATED_TEXT = "not validated"
 """Beginning of a note on a point that a model's validation does not cover."""
 EFFECT_NAMES_SHOWN = (
     *("inertia", "thermal", "depth_averaged", "sheared_gas", "moving_profile", "ram_pressure"),
-    *("slip", "flow_factor", "edge_loss"),
+    *("slip", "flow_factor", "edge_loss", "edge_flow"),
 )
 # Effects whose error is no numerical one.
 EFFECTS_WITH_ESTIMATED_ERROR = (
@@ -57,6 +57,7 @@ EFFECTS_WITH_ESTIMATED_ERROR = (
     "moving_profile",
     "ram_pressure",
     "flow_factor",
+    "edge_flow",
 )
 # Never negative: an error as large as the value leaves an upper bound.
 NON_NEGATIVE_QUANTITIES = ("resonance", "damping_ratio", "settling_start", "settling_stop")
