@@ -50,12 +50,19 @@ EDGE_LOSS_COEFFICIENTS = (1.0, 1.54)
 # slip, for each unit of Re and of Kn (`squeezefilm-verification edge-flow`).
 EDGE_RESISTANCE, EDGE_INERTANCE, NEAR_WAVE_RATIO = 0.64, 0.097, 1.12
 EDGE_RESISTANCE_ERROR, EDGE_INERTANCE_ERROR = (0.1, 0.15, 3.0), (0.2, 0.0, 3.0)
+# Laws of the pressure on the edge: loss coefficient, and parts of the resistance and inertance of
+# flow around it. Each effect alone; and both together, with what tells the error of the latter.
+SEPARATE_LAWS = (*((coefficient, 0.0, 0.0) for coefficient in EDGE_LOSS_COEFFICIENTS), (0, 1, 1))
+JOINT_LAWS = (
+    *((coefficient, 1.0, 1.0) for coefficient in EDGE_LOSS_COEFFICIENTS),
+    *((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+)
 # Relative error of the force that an iteration of the state may leave.
 STATE_FORCE_TOLERANCE = 1e-5
-# Change of an effect, over a film's largest, at which the iteration ends; steps that it may take.
+# Change of the effect, over it, at which the iteration ends; steps that it may take.
 EFFECT_CHANGE_TOLERANCE, MAX_EDGE_ITERATIONS = 3e-3, 30
 # Part of that which the next change may take, if expected by the fall of the last two.
-CONVERGENCE_SAFETY_FACTOR = 5
+CONVERGENCE_SAFETY_FACTOR = 20
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
 # first no state may be found of a film of large amplitude, at the second rounding counts more.
 TRIAL_EDGE_PRESSURE_RATIOS = (1e-3, 1e-4)
@@ -65,28 +72,27 @@ def edge_effect_changes(
     scenes: Sequence[Scene],
     solutions: Sequence[Solution],
     *,
+    laws: Sequence[tuple[float, float, float]],
     device: Device,
-    loss_with_flow: bool = False,
 ) -> np.ndarray:
     """Return the relative changes of the forces by the pressure on the edge, and their errors.
 
     Args:
         solutions: of the scenes, with their states on two grids.
-        loss_with_flow: the edge loss together with flow around the edge, and not alone.
+        laws: as SEPARATE_LAWS.
 
     Returns:
-        Changes and errors by the edge loss for each of EDGE_LOSS_COEFFICIENTS, by the resistance
-        and by the inertance of flow around the edge, shape (2, 4, scenes); NaN where a solution has
-        no states, or the iteration does not settle.
+        Changes and errors by each law, shape (2, laws, scenes); NaN where a solution has no states,
+        or the iteration does not settle.
     """
     changes = force_changes_and_errors(
         scenes,
         solutions,
-        partial(_edge_effect_changes_on_grid, device=device, loss_with_flow=loss_with_flow),
-        changes=len(EDGE_LOSS_COEFFICIENTS) + 2,
+        partial(_edge_effect_changes_on_grid, laws=laws, device=device),
+        changes=len(laws),
         tolerance=STATE_FORCE_TOLERANCE,
     )
-    changes[1] += EFFECT_CHANGE_TOLERANCE * np.abs(changes[0]).max(axis=0)
+    changes[1] += EFFECT_CHANGE_TOLERANCE * np.abs(changes[0])
     return changes
 
 
@@ -138,54 +144,47 @@ def ram_pressure_changes(
 
 
 def _edge_effect_changes_on_grid(
-    films: Fields, *, device: Device, loss_with_flow: bool
+    films: Fields, *, laws: Sequence[tuple[float, float, float]], device: Device
 ) -> np.ndarray:
-    """Changes of the mean pressure over it on one grid, (4, scenes)."""
-    count, copies = len(films.scenes), 3 + len(EDGE_LOSS_COEFFICIENTS)
-    around = float(loss_with_flow)
-    # Loss coefficient, and which parts of flow around the edge.
-    effects = [
-        (0.0, 0.0, 0.0),
-        *((coefficient, around, around) for coefficient in EDGE_LOSS_COEFFICIENTS),
-        (0.0, 1.0, 0.0),
-        (0.0, 0.0, 1.0),
-    ]
+    """Changes of the mean pressure over it on one grid, (laws, scenes)."""
+    count, copies, no_law = len(films.scenes), 1 + len(laws), (0.0, 0.0, 0.0)
     films = films.at(np.tile(np.arange(count), copies))
-    loss, with_resistance, with_inertance = np.repeat(effects, count, axis=0).T
-    laws = np.stack(
-        [loss, EDGE_RESISTANCE * with_resistance, edge_inertance(films.scenes) * with_inertance]
-    )
-    change, difference = np.zeros(laws.shape[1]), np.zeros(laws.shape[1])
-    step, moved = np.ones(laws.shape[1]), np.full(laws.shape[1], np.inf)
-    for _ in range(MAX_EDGE_ITERATIONS):
-        move = edge_pressure_of_flow(films, laws) - films.edge_gauge_pressure
-        before, moved = moved, np.abs(move).max(axis=(1, 2, 3))
+    factors = np.repeat([no_law, *laws], count, axis=0).T
+    factors[1] *= EDGE_RESISTANCE
+    factors[2] *= edge_inertance(films.scenes)
+    change, difference = np.zeros(count * copies), np.full(count * copies, np.nan)
+    step, moved = np.ones(count * copies), np.full(count * copies, np.inf)
+    mean_without_law = np.zeros(0)
+    rows = np.arange(count * copies)  # whose force has not settled
+    for iteration in range(MAX_EDGE_ITERATIONS):
+        active = films.at(rows)
+        move = edge_pressure_of_flow(active, factors[:, rows]) - active.edge_gauge_pressure
+        before, moved[rows] = moved[rows], np.abs(move).max(axis=(1, 2, 3))
         # High harmonics of a large loss overshoot.
-        step = np.where(moved > before, step / 4, step)
-        edge = films.edge_gauge_pressure + step[:, None, None, None] * move
-        tried, mean = solve_with_edge_pressure(films, edge, device=device)
-        failed, without_loss = np.isnan(mean), np.tile(mean[:count], copies)
-        last, change = change, np.where(failed, change, mean / without_loss - 1)
-        earlier, difference = difference, np.abs(change - last)
-        largest = np.abs(change).reshape(copies, count).max(axis=0)
-        allowed = step * EFFECT_CHANGE_TOLERANCE * np.tile(largest, copies)
+        step[rows] /= np.where(moved[rows] > before, 4, 1)
+        edge = active.edge_gauge_pressure + step[rows, None, None, None] * move
+        tried, mean = solve_with_edge_pressure(active, edge, device=device)
+        if iteration == 0:
+            mean_without_law = np.tile(mean[:count], copies)
+        failed, last, earlier = np.isnan(mean), change[rows], difference[rows]
+        change[rows] = np.where(failed, last, mean / mean_without_law[rows] - 1)
+        # The first change is the effect, and no step of the iteration.
+        difference[rows] = np.abs(change[rows] - last) if iteration else np.nan
+        allowed = step[rows] * EFFECT_CHANGE_TOLERANCE * np.abs(change[rows])
         # Or where the next difference, by the fall of the last two, is far below that.
         settled = ~failed & (
-            (difference <= allowed / 2)
-            | (difference**2 <= allowed / CONVERGENCE_SAFETY_FACTOR * earlier)
+            (difference[rows] <= allowed / 2)
+            | (difference[rows] ** 2 <= allowed / CONVERGENCE_SAFETY_FACTOR * earlier)
         )
         # Where Newton's method does not follow, a shorter step is tried.
-        keep = failed[:, None, None, None]
-        films = replace(
-            films,
-            edge_gauge_pressure=np.where(keep, films.edge_gauge_pressure, edge),
-            unknowns=np.where(keep[..., None], films.unknowns, tried.unknowns),
-        )
-        step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
-        if settled.all():
+        films.edge_gauge_pressure[rows[~failed]] = edge[~failed]
+        films.unknowns[rows[~failed]] = tried.unknowns[~failed]
+        step[rows] = np.where(failed, step[rows] / 2, np.minimum(1.5 * step[rows], 1.0))
+        rows = rows[~settled]
+        if not len(rows):
             break
-    changes = np.where(settled, change, np.nan)
-    return np.asarray(changes.reshape(copies, count)[1:])
+    change[rows] = np.nan
+    return change.reshape(copies, count)[1:]
 
 
 def solve_with_edge_pressure(
@@ -198,13 +197,13 @@ def solve_with_edge_pressure(
     )
 
 
-def edge_pressure_of_flow(films: Fields, laws: np.ndarray) -> np.ndarray:
+def edge_pressure_of_flow(films: Fields, factors: np.ndarray) -> np.ndarray:
     """Return the pressure on the edge, P − 1, by the velocity of states that have some there.
 
     Args:
-        laws: loss coefficient C, resistance and inertance of each scene, (3, scenes).
+        factors: loss coefficient C, resistance and inertance of each scene, (3, scenes).
     """
-    loss, resistance, inertance = laws[..., None, None, None]
+    loss, resistance, inertance = factors[..., None, None, None]
     reynolds, length_x_m = films.scenes.modified_reynolds, films.scenes.pad.length_x_m
     reynolds, gap_over_length = (
         np.asarray(each)[:, None, None, None] for each in (reynolds, films.scenes.h0_m / length_x_m)

@@ -23,6 +23,7 @@ import numpy as np
 from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_FILM_SIGMA
 from squeezefilm.quantities import edge_effects, moving_profile, sheared_gas
+from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
@@ -259,9 +260,10 @@ def _error_budgets_of_variants(
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
     changes: ForceChanges = {}
+    edge_changes = edge_effects.edge_effect_changes
     for name, force_changes, of_scenes in (
-        ("edge_alone", edge_effects.edge_effect_changes, alone),
-        ("edge", partial(edge_effects.edge_effect_changes, loss_with_flow=True), together),
+        ("separate_edge_effects", partial(edge_changes, laws=SEPARATE_LAWS), alone),
+        ("joint_edge_effects", partial(edge_changes, laws=JOINT_LAWS), together),
         ("ram_pressure", edge_effects.ram_pressure_changes, sliding),
         ("sheared_gas", sheared_gas.sheared_gas_force_changes, with_still),
         ("moving_profile", moving_profile.moving_profile_changes, sliding),
@@ -317,8 +319,20 @@ def _error_budget_of_variants(
     for name in film.unsolvable:
         effects[name] = UNKNOWN_EFFECT
     effects["depth_averaged"] = Effect(*depth_averaging_change_percent(film.together))
-    (effects["edge_loss"], edge_loss_upper), effects["edge_flow"] = _edge_effects(
-        scene, changes["edge_alone"]
+    edge_loss, edge_loss_upper, edge_flow = _effects_of_changes(
+        changes["separate_edge_effects"][scene]
+    )
+    *edges, resistance, inertance = _effects_of_changes(
+        changes["joint_edge_effects"][film.together]
+    )
+    error_ratios = edge_effects.edge_flow_error_ratios(scene)
+    edge_flow_error = sum(
+        effect.error_percent + ratio * abs(effect.percent)
+        for effect, ratio in zip((resistance, inertance), error_ratios, strict=True)
+    )
+    effects["edge_loss"] = edge_loss
+    effects["edge_flow"] = edge_flow._replace(
+        error_percent=edge_flow.error_percent + edge_flow_error
     )
     together, error = change_percent(film.together, film.reference)
     error += doubt * abs(together)
@@ -331,10 +345,8 @@ def _error_budget_of_variants(
     with_all = solutions[film.together].force_n / own.force_n
     if scene.bearing_number:
         effects |= _sliding_effects(film, solutions, changes)
-    edges, edge_flow = _edge_effects(film.together, changes["edge"])
     ends = [with_all * edge.percent for edge in edges]
-    edge_error = max(edge.error_percent for edge in edges) + edge_flow.error_percent
-    error += abs(with_all) * edge_error
+    error += abs(with_all) * (max(edge.error_percent for edge in edges) + edge_flow_error)
     for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECT_NAMES):
         together += effects[name].percent
         error += effects[name].error_percent
@@ -350,20 +362,9 @@ def _error_budget_of_variants(
     )
 
 
-def _edge_effects(scene: Scene, changes: Mapping[Scene, np.ndarray]) -> tuple[list[Effect], Effect]:
-    """Return the effects of the edge loss for its coefficients, and that of flow around the edge.
-
-    Args:
-        changes: of edge_effects.py, whose edge loss may be together with flow around the edge.
-    """
-    percents, errors_percent = 100 * changes[scene]
-    edge_loss = [
-        Effect(float(percent), abs(float(error)))
-        for percent, error in zip(percents[:-2], errors_percent, strict=False)
-    ]
-    around = percents[-2:]
-    error_percent = errors_percent[-2:] + edge_effects.edge_flow_error_ratios(scene) * abs(around)
-    return edge_loss, Effect(float(around.sum()), float(error_percent.sum()))
+def _effects_of_changes(changes: np.ndarray) -> list[Effect]:
+    """Return effects by relative changes of a force and their errors, (2, effects)."""
+    return [Effect(100 * float(change), 100 * abs(float(error))) for change, error in changes.T]
 
 
 def _sliding_effects(
