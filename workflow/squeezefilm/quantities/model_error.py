@@ -322,18 +322,18 @@ def _error_budget_of_variants(
     edge_loss, edge_loss_upper, edge_flow = _effects_of_changes(
         changes["separate_edge_effects"][scene]
     )
-    *edges, resistance, inertance = _effects_of_changes(
-        changes["joint_edge_effects"][film.together]
-    )
-    error_ratios = edge_effects.edge_flow_error_ratios(scene)
+    # Those of the film with all other effects, over that film's force.
+    with_all = solutions[film.together].force_n / own.force_n
+    joint = with_all * changes["joint_edge_effects"][film.together]
+    *edges, resistance, inertance = _effects_of_changes(joint)
     edge_flow_error = sum(
-        effect.error_percent + ratio * abs(effect.percent)
-        for effect, ratio in zip((resistance, inertance), error_ratios, strict=True)
+        effect.error_percent + float(ratio) * abs(effect.percent)
+        for effect, ratio in zip(
+            (resistance, inertance), edge_effects.edge_flow_error_ratios(scene), strict=True
+        )
     )
     effects["edge_loss"] = edge_loss
-    effects["edge_flow"] = edge_flow._replace(
-        error_percent=edge_flow.error_percent + edge_flow_error
-    )
+    effects["edge_flow"] = Effect(edge_flow.percent, edge_flow.error_percent + edge_flow_error)
     together, error = change_percent(film.together, film.reference)
     error += doubt * abs(together)
     if "flow_factor" in film.pairs:
@@ -341,12 +341,10 @@ def _error_budget_of_variants(
         # Of a film without inertia and thermal effects, which it may interact with.
         interaction = 0.0 if film.together.viscous() == film.together else abs(percent)
         effects["flow_factor"] = Effect(percent, flow_error + interaction)
-    # Those of the film with all other effects, over that film's force.
-    with_all = solutions[film.together].force_n / own.force_n
     if scene.bearing_number:
         effects |= _sliding_effects(film, solutions, changes)
-    ends = [with_all * edge.percent for edge in edges]
-    error += abs(with_all) * (max(edge.error_percent for edge in edges) + edge_flow_error)
+    ends = [edge.percent for edge in edges]
+    error += max(edge.error_percent for edge in edges) + edge_flow_error
     for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECT_NAMES):
         together += effects[name].percent
         error += effects[name].error_percent
