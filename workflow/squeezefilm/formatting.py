@@ -6,7 +6,7 @@ a row removes it, so that the columns that nothing takes are shown by their name
 
 import json
 from collections.abc import Mapping
-from math import floor, isfinite, log10, nan
+from math import ceil, floor, isfinite, log10, nan
 from typing import Any
 
 from squeezefilm.columns import COLUMNS, error_columns
@@ -112,6 +112,19 @@ def percent_text(*values: float, sign: str = "+", digits: int = 2) -> str:
         " to ".join(number_text(number, sign=sign, digits=digits, least=1e-9) for number in values)
         + " %"
     )
+
+
+def interval_text(lower: float, upper: float) -> str:
+    """Return the ends of an interval, rounded outward to two digits of the larger one."""
+    largest = max(abs(lower), abs(upper))
+    if not isfinite(largest) or largest == 0:
+        return " to ".join(number_text(end) for end in (lower, upper))
+    exponent = floor(log10(largest)) - 1
+    # What rounding added to an end that lies on a step already is no reason for the next one.
+    steps = floor(lower / 10**exponent + 1e-6), ceil(upper / 10**exponent - 1e-6)
+    if largest < MIN_VALUE_WITHOUT_EXPONENT:
+        return " to ".join(number_text(float(step) * 10**exponent) for step in steps)
+    return " to ".join(f"{step * 10**exponent:+.{max(-exponent, 0)}f}" for step in steps)
 
 
 def value_text(value: Any, unit: str = "", *, error: float | None = None, digits: int = 3) -> str:
@@ -291,7 +304,8 @@ def _take_effect_lines(row: Row) -> LabelledLines:
         name: (row.pop(f"{name}_percent"), row.pop(name + EFFECT_ERROR_SUFFIX)) for name in names
     }
     neglected = {name: effects[name] for name in names if name not in included}
-    total = f"{effect_change_text(*ends)} of the {'force' if unit == 'N' else 'load'}"
+    size_text = f"{interval_text(*sorted(size * end for end in ends))} {unit}, " * isfinite(size)
+    total = f"{size_text}{interval_text(*ends)} % of the {'force' if unit == 'N' else 'load'}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE_TEXT + f": {status}" * (status != "ok")
         if reason := " and ".join(column_label(name) for name in unknown if name):
@@ -302,9 +316,9 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
         text = effect_change_text(effect, *[edge] * (name == "edge_loss"))
         if name in EFFECTS_WITH_ESTIMATED_ERROR:
-            text += f" ± {percent_text(error, sign='', digits=1)}"
+            text += f" ± {percent_text(round_up_error(error), sign='')}"
             if abs(effect) < MIN_EFFECT_OVER_ERROR * error:
-                bound = percent_text(abs(effect) + error, sign="", digits=1)
+                bound = percent_text(round_up_error(abs(effect) + error), sign="")
                 text = f"within ± {bound}"
         if not abs(effect) + error < MIN_EFFECT_SHOWN_PERCENT:
             lines.append(

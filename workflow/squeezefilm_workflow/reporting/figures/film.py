@@ -41,7 +41,8 @@ def error_budget(results: Results) -> Figure:
     along = positions[largest >= largest.max() * (1 - 1e-9)]
     figure = style.new_figure(wide=True, height_in=4.3)
     grid = figure.add_gridspec(2, 4)
-    *panels, last = [figure.add_subplot(part) for part in (*list(grid)[:6], grid[1, 2:])]
+    squares = [grid[row, column] for row, columns in ((0, 4), (1, 2)) for column in range(columns)]
+    *panels, last = [figure.add_subplot(part) for part in (*squares, grid[1, 2:])]
     maps = zip("abcdef", panels, COLOUR_OF_EFFECT.items(), strict=True)
     for letter, axes, (name, colour) in maps:
         look: dict[str, Any] = {"colors": colour, "linestyles": "solid"}
