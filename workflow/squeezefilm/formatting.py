@@ -41,7 +41,6 @@ FRACTION_COLUMNS = (
 )
 HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
     *("bearing_percent", "bearing_error_percent"),
-    *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
 NOT_AVAILABLE_TEXT, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
 NOT_VALIDATED_TEXT = "not validated"
@@ -304,7 +303,10 @@ def _take_effect_lines(row: Row) -> LabelledLines:
         name: (row.pop(f"{name}_percent"), row.pop(name + EFFECT_ERROR_SUFFIX)) for name in names
     }
     neglected = {name: effects[name] for name in names if name not in included}
-    size_text = f"{interval_text(*sorted(size * end for end in ends))} {unit}, " * isfinite(size)
+    sizes = sorted(size * end for end in ends)
+    if unit == "µm":  # with the second order of the gap's change
+        sizes = [1e6 * row.pop(f"h0_modelling_error_{end}_m") for end in ("lower", "upper")]
+    size_text = f"{interval_text(*sizes)} {unit}, " * isfinite(size)
     total = f"{size_text}{interval_text(*ends)} % of the {'force' if unit == 'N' else 'load'}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE_TEXT + f": {status}" * (status != "ok")
