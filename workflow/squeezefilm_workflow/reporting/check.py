@@ -69,7 +69,7 @@ FIT_OF_DESIGN = {
     "four_factor": "four_factor",
     "four_factor_distinct": "four_factor",
 }
-BUDGET_COLUMNS_PATTERN = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
+BUDGET_COLUMNS_PATTERN = "(inertia|slip|thermal|edge_loss|edge_flow|modelling_error.*)_percent"
 COLUMNS_PATTERN_OF_RESULT = {
     "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET_COLUMNS_PATTERN}",
     "simulations/four_factor/error_budget": BUDGET_COLUMNS_PATTERN,
