@@ -885,15 +885,16 @@ def test_what_a_study_must_say_of_points_is_in_the_first_message(content, messag
 
 
 def test_a_component_beside_a_magnitude_has_its_sign(tmp_path):
-    """As ParaView writes vectors; one of amplitudes, by its name, has none."""
+    """As ParaView writes vectors; amplitudes, by their name or by a node line, have none."""
     header, raised = '"{0}:2 [um]","{0}:Magnitude","Points:0 [mm]","Points:1 [mm]"', U + 1.5
+    rectified = (abs(U), abs(U), X, Y)
     columns = (raised, raised, X, Y)
     path = tmp_path / "scan.csv"
     assert read(path, text(header.format("u"), *columns)).has_phase_or_sign
     assert not read(path, text(header.format("u_amplitude"), *columns)).has_phase_or_sign
     assert not read(path, text("u:2 [um],v:Magnitude,x_mm,y_mm", *columns)).has_phase_or_sign
-    columns = (U, abs(U), X, Y)
-    same(read(path, text(header.format("u"), *columns)))
+    assert not read(path, text(header.format("u"), *rectified)).has_phase_or_sign
+    same(read(path, text(header.format("u"), U, *rectified[1:])))
 
 
 def test_a_matrix_with_its_size_is_read(tmp_path):
@@ -983,7 +984,7 @@ def test_a_line_along_a_plate_is_its_shape_where_that_is_the_same_across(tmp_pat
 def test_points_on_an_axis_are_a_line_and_its_wants_are_told_together(tmp_path):
     path, r = tmp_path / "scan.csv", np.linspace(40, 60, 101)
     path.write_text(text("x_mm,y_mm,uz_um", r, 0 * r, np.sinc(0.1098 * (r - 50))))
-    wants = r"axisymmetric: true; and line 2: .*origin: \[50 mm, 0 mm\], the middle"
+    wants = r"axisymmetric: true; and line 102: .*origin: \[50 mm, 0 mm\], the middle"
     with pytest.raises(InputError, match=wants):
         smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
     marked = with_header("x_mm,y_mm,amplitude_um,phase_deg") + "1,1,-99.9999,0\n"

@@ -20,7 +20,11 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text
-from squeezefilm.film.measured.scan import MAX_MODE_DISTANCE_FRACTION, nearest_spectral_line
+from squeezefilm.film.measured.scan import (
+    MAX_FREQUENCY_OFFSET_FRACTION,
+    MAX_MODE_DISTANCE_FRACTION,
+    nearest_spectral_line,
+)
 from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
 from squeezefilm.units import unit_sizes
 
@@ -401,7 +405,9 @@ def _columns_at_frequency(
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
     if far and several:
         raise InputError(f"the columns' frequencies: {far}")
-    if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION:
+    measured = any(FREQUENCY_NAME_PATTERN.fullmatch(each.name) for each in named)
+    most = MAX_FREQUENCY_OFFSET_FRACTION if measured else MAX_MODE_DISTANCE_FRACTION
+    if abs(line_hz / frequency_hz - 1) > most:
         raise InputError(
             f"the columns are at {line_hz:.7g} Hz, and the actuator vibrates at "
             f"{frequency_hz:.7g} Hz (actuator.frequency)"

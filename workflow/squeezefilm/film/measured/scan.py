@@ -48,7 +48,7 @@ class Scan:
 
 @dataclass(frozen=True)
 class PointRemedies:
-    """What messages on a file say of its points, "" where the study has settled it.
+    """Texts of messages on the points of a file, "" where the study has settled the question.
 
     ``on_line`` is of points on a line, ``on_one_side`` of points all on one side of the centre,
     ``unsigned`` of amplitudes that have neither phase nor sign.

@@ -36,7 +36,7 @@ from squeezefilm.film.measured.centre import centre_of_symmetry
 from squeezefilm.film.measured.read import read_scan
 from squeezefilm.film.measured.scan import SAME_POSITION_DISTANCE_M, PointRemedies, Scan
 from squeezefilm.film.profiles import ModeSum, largest_magnitude
-from squeezefilm.film.surfaces import Disc, ModeOrders, Surface
+from squeezefilm.film.surfaces import Disc, ModeOrders, Rectangle, Surface
 
 MAX_MODE_DEGREE = 24
 # The fewest points per mode that cross-validation looks at, and for degrees above its best one.
@@ -510,7 +510,7 @@ def point_remedies(
     origin_m: tuple[float, float] = (0.0, 0.0),
     scale: str = "surface",
 ) -> PointRemedies:
-    """What a study must settle about points, "" where it has."""
+    """Return the texts on what a study must settle about points, "" where it has."""
     settled = axisymmetric or bool(along)
     return PointRemedies(
         on_line=surface.line_scan_problem * (not settled),
@@ -537,8 +537,12 @@ def check_points(
     reach = surface.relative_distance(scan.x_m, scan.y_m)
     remedies = point_remedies(surface=surface, axisymmetric=axisymmetric, along=along, sign=sign)
     problems = [remedies.unsigned * (not scan.has_phase_or_sign)]
-    problems += [remedies.on_line * scan.is_radial]
     at_m = {"x": scan.x_m, "y": scan.y_m}
+    on_line = scan.is_radial or (
+        isinstance(surface, Rectangle)
+        and min(map(np.ptp, at_m.values())) < SAME_POSITION_DISTANCE_M
+    )
+    problems += [remedies.on_line * bool(on_line)]
     problems += [
         f"the points do not lie along {along} (actuator.profile.along); name their column {along}"
     ] * bool(along and not np.ptp(at_m[along]) > SAME_POSITION_DISTANCE_M)
@@ -546,7 +550,8 @@ def check_points(
         f"line {scan.lines[row]}: the point lies "
         f"{surface.position_text(scan.x_m[row], scan.y_m[row])}, off the actuator's "
         f"{surface.text} ({surface.config_key}){_fitting_origin_or_unit_note(scan, surface)}"
-        for row in np.flatnonzero(reach > 1 + edge_tolerance(scan, surface))[:1]
+        for row in [np.argmax(reach)]
+        if reach[row] > 1 + edge_tolerance(scan, surface)
     ]
     if any(problems):
         raise InputError(f"{scan.path}: {'; and '.join(filter(None, problems))}")
@@ -620,10 +625,10 @@ def _fitting_origin_note(scan: Scan, surface: Surface) -> str:
         origin_text = "[" + ", ".join(f"{1e3 * each:.6g} mm" for each in origin_m) + "]"
         if beyond <= edge_tolerance(scan, surface):
             return f"; all lie on it with actuator.profile.origin: {origin_text}, {text}"
+    own_beyond = surface.relative_distance(scan.x_m, scan.y_m).max() - 1
+    if own_beyond <= min(MIDDLE_TOLERANCE_FRACTION, beyond + EXTENT_TOLERANCE_FRACTION):
+        return f"; if it ends there, say {surface.enclosing_text(scan.x_m, scan.y_m)}"
     if beyond <= EXTENT_TOLERANCE_FRACTION:
-        own_beyond = surface.relative_distance(scan.x_m, scan.y_m).max() - 1
-        if own_beyond <= EXTENT_TOLERANCE_FRACTION:
-            return f"; if it ends there, say {surface.enclosing_text(scan.x_m, scan.y_m)}"
         return (
             f"; about the middle of their extents, {origin_text}, they reach beyond it by "
             f"{beyond:.1%}: say {surface.enclosing_text(scan.x_m - x_m, scan.y_m - y_m)} too"

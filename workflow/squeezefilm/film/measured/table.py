@@ -135,10 +135,14 @@ REMEDY_OF_TEXT_PATTERN = {
     r"\AIGOR\s": "an Igor text file; save the waves as delimited text",
 }
 """What such files of text contain, by patterns, and what to do with them."""
+# A component of one sign is sure not to be rectified if it is nowhere less than so much of its
+# largest: beside a node line points have less, but in the coarsest of scans.
+MIN_COMPONENT_RATIO = 0.4
+USABLE_QUANTITIES = {*UNITS_OF_SCAN_QUANTITY, "normal"}
 MIN_MATRIX_COLUMNS = 16
 MATRIX_LINES_TEXT = "'# Width: 30 mm', '# Height: 20 mm', '# Value units: um'"
 USUAL_QUANTITIES_OF_COUNT = {2: ("r", "amplitude"), 3: ("x", "y", "amplitude")}
-"""What columns without names most likely are, by how many there are, for messages."""
+"""The likely quantities of columns without names, by how many there are, for messages."""
 PLAIN_NUMBER_PATTERN = re.compile(r"[-+]?[.,]?\d[\d.,]*(?:[eEdD][-+]?\d+)?$")
 LABVIEW_UNIT_LINE_PREFIX = "Y_Unit_Label"
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
@@ -220,7 +224,7 @@ def read_point_table(
             problems[-1] += ". Units in names of variables follow an underscore: x_mm, vz_m_s"
         if problems:
             points = _numbers_of_columns(lines[first:], separator, columns)
-            if any(column.is_signed for column in motion):
+            if _has_component_sign(columns, points):
                 remedies = replace(remedies, unsigned="")
             raise InputError("; and ".join([*problems, *_wants_of_points(points, remedies)]))
     needed = max(taken) + 1
@@ -256,9 +260,8 @@ def read_point_table(
     lacking = cells.index[amplitudes.map(is_missing).any(axis=1)]
     cells = cells.drop(lacking)
     table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
-    if any(column.is_signed for column in motion) and not {"sign", "phase"} & columns.keys():
-        table["sign"] = np.where(table["amplitude"] < 0, -1.0, 1.0)
-        table["amplitude"] = table["amplitude"].abs()
+    if _has_component_sign(columns, table):
+        table["sign"] = 1.0
     if rows is not None:
         table, chosen = _one_row_per_position(table, cells, settings, frequency_hz=frequency_hz)
         notes += chosen
@@ -279,7 +282,7 @@ def read_point_table(
 def _columns_of_second_table(
     lines: Sequence[str], first: int, separator: str, columns: Mapping[str, ScanColumn]
 ) -> tuple[dict[str, ScanColumn], str]:
-    """What a table lacks and another one below it has, and where; nothing of a whole table."""
+    """Return the columns of another table below that this one lacks, and a message on where."""
     kinds = ({*COORDINATE_UNITS}, {"amplitude", "normal", "real", "imaginary"})
     lacking = [kind for kind in kinds if not kind & columns.keys()]
     if len(lacking) != 1:
@@ -290,7 +293,8 @@ def _columns_of_second_table(
         places = [each.column_index for name, each in found.items() if name in lacking[0]]
         numbers = parse_numbers(pd.Series(row, dtype=object))
         if places and len(row) == len(header) > 1 and numbers.iloc[places].notna().all():
-            return found, (
+            known = {name: each for name, each in found.items() if name in USABLE_QUANTITIES}
+            return known, (
                 f"the positions and the amplitudes are in two tables, the second, "
                 f"{list_text([repr(name) for name in header])}, from line {number} on; write one "
                 "table, with both in the row of a point"
@@ -313,8 +317,18 @@ def _numbers_of_columns(
     }
 
 
+def _has_component_sign(
+    columns: Mapping[str, ScanColumn], values: Mapping[str, pd.Series] | pd.DataFrame
+) -> bool:
+    """Tell whether amplitudes are a vector's component, all of one sign and far from a node."""
+    if not ("amplitude" in columns and columns["amplitude"].is_signed) or "sign" in columns:
+        return False
+    amplitude = values["amplitude"]
+    return bool(amplitude.min() > MIN_COMPONENT_RATIO * amplitude.max())
+
+
 def _wants_of_points(points: Mapping[str, pd.Series], remedies: PointRemedies) -> list[str]:
-    """What points need besides: they are on a line, or on one side, or their motion has no sign."""
+    """Remedies that points need: they are on a line, on one side, or their motion has no sign."""
     ends = [(points[name].min(), points[name].max()) for name in ("x", "y") if name in points]
     on_line = len(points.keys() & COORDINATE_UNITS) == 1 or (0, 0) in ends
     on_one_side = not on_line and any(
