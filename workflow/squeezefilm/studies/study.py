@@ -99,13 +99,9 @@ def check_study(config: Study) -> Study:
     with prefix_errors(config.path):
         check_pad_fits(config.read_pad(), config.actuator.surface)
         if path := config.scan_path:
-            from squeezefilm.film.measured.read import read_scan
-            from squeezefilm.film.measured.smooth import check_points
+            from squeezefilm.film.measured.smooth import checked_scan_of_file
 
-            settings = config.smoothing_arguments
-            how = {key: settings.pop(key) for key in ("frequency_hz", "rows", "origin_m")}
-            scan = read_scan(path, **how)
-            check_points(scan, **settings)
+            checked_scan_of_file(path, **config.smoothing_arguments)
         profile = config.profile_for_planning()
     if config.measurements:
         measured_force_table(config, profile=profile)
