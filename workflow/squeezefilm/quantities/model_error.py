@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
-from squeezefilm.film.validity import THICK_FILM_SIGMA
+from squeezefilm.film.validity import THICK_FILM_SIGMA, exceeded_limits_by_scene
 from squeezefilm.quantities import edge_effects, moving_profile, sheared_gas
 from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS
 from squeezefilm.reynolds.device import Device, choose_device
@@ -507,7 +507,14 @@ def resolve_auto_terms(
         "device": device,
     }
     with_all: list[dict[int, FilmOnGrids]] = [{} for _ in range(1 + MAX_DECIDING_REFINEMENTS)]
-    decided = {row for row, names in enumerate(included) if not names}
+    # Beyond a limit of the terms a change that passes through zero is no reason to go without them.
+    decided = {
+        row
+        for row, (names, exceeded) in enumerate(
+            zip(included, exceeded_limits_by_scene(full, symbols=["Re"]), strict=True)
+        )
+        if exceeded or not names
+    }
     for fewer in ((), ("inertia",), ("thermal",)):
         tried = _scenes_with_included_terms(closed, [fewer] * len(scenes))
         undecided = [
