@@ -1,10 +1,13 @@
 """A study is read as it is written, or refused with a message that names what is wrong."""
 
+import re
 import shutil
 from pathlib import Path
 
 import pytest
 
+from squeezefilm.api.film import Film
+from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config, study_notes
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
@@ -69,6 +72,17 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("frequency:", "frequency_hz:", "line 20: actuator: unknown key 'frequency_hz'; did you mean"),
     (f"  frequency: {HZ}\n", "", "line 19: actuator: missing 'frequency' (0.001 … 1e9 Hz): freq"),
     (HZ, "fast", f"line 20: actuator.frequency: 'fast' should be a valid number; {LIKE}"),
+    (
+        HZ,
+        "43,27 kHz",
+        "actuator.frequency: '43,27 kHz' should be a valid number; write '43.27 kHz'",
+    ),
+    (
+        HZ,
+        "43.27 khz",
+        "actuator.frequency: '43.27 khz' should be a valid number; write '43.27 kHz'",
+    ),
+    ("  frequency:", "\tfrequency:", "indent by spaces: YAML allows no tab there"),
     (HZ, "28 mm", f"actuator.frequency: '28 mm' is a length; a frequency is wanted; {LIKE}"),
     (HZ, "-3", "frequency: -3 should be greater than or equal to 0.001; allowed"),
     ("kind: sinc", "kind: bassel", "kind: 'bassel' is none of `sinc`, `piston`"),
@@ -150,6 +164,25 @@ def test_line_ends_and_byte_order_mark_do_not_matter(paper, tmp_path):
     assert dict(load(path)) == dict(load(plain))
 
 
+@pytest.mark.parametrize(("force", "noted"), [("2 N", False), ("30 N", True)])
+def test_a_target_force_beyond_the_screen_is_noted(force, noted, tmp_path):
+    """It took a whole run to end with empty amplitudes."""
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "study: mine\ngas: {inertia: none, thermal: none}\nsolver: {tolerance: 1e-3}\n"
+        "actuator: {frequency: 43.27 kHz, surface_radius: 10 mm, profile: {kind: piston}}\n"
+        "pad: {length_x: 10 mm, length_y: 10 mm}\n"
+        "screen: {h0: {start: 5 µm, stop: 10 µm}, hv: {start: 0.2 µm, stop: 2 µm}}\n"
+        f"extrapolation: {{force: {force}}}\n",
+        encoding="utf-8",
+    )
+    notes = [note for note in study_notes(load_config(path)) if "beyond the screen" in note]
+    assert len(notes) == noted
+    for note in notes:
+        (limit_n,) = map(float, re.findall(r"about ([\d.]+) N", note))
+        assert 0.9 * limit_n < float(Film.read(path).force("5 um", "2 um").force_n) < limit_n
+
+
 @pytest.mark.parametrize(
     ("profile", "models", "count"),
     [
@@ -169,3 +202,13 @@ def test_a_standing_wave_without_a_model_that_repeats_is_noted(profile, models, 
     )
     notes = [note for note in study_notes(load_config(path)) if "standing wave" in note]
     assert len(notes) == count
+
+
+def test_a_frequency_that_lacks_its_unit_is_noted_beside_every_result(paper, tmp_path, capsys):
+    """43.27 Hz, of kHz forgotten, gave a force without a word."""
+    path = tmp_path / "study.yaml"
+    path.write_text(paper.replace(HZ, "43.27"), encoding="utf-8")
+    note = "note: actuator.frequency is read as 43.27 Hz; for 43.27 kHz write the unit"
+    for command in (["simulate", "--dry-run"], ["simulate"], ["error-budget"]):
+        assert cli.main([*command, "--h0=5um", "--hv=1um", f"--config={path}"]) == 0
+        assert capsys.readouterr().err.count(note) == 1

@@ -58,6 +58,7 @@ def test_models_have_their_verdict_first_and_columns_in_words():
     row = {"parameters": 3, "fit_points": 9, "fit_error": 0.01, "cv_error": float("nan")}
     row |= {"validation_points": 50, "validation_failed": 0, "validation_worst_relative": 0.3}
     row |= {"validation_worst_n": 0.1, "error_95_percent": 2.0, "coverage": 0.95}
+    row |= {"error_95_without_scan_percent": 0.4}
     row |= {"coverage_min": 0.9, "coverage_min_region": "high third of the gap h0"}
     errors = {"worse": 0.04, "long": 0.02, "short": 0.02, "unknown": float("nan")}
     table = pd.DataFrame(
@@ -69,7 +70,7 @@ def test_models_have_their_verdict_first_and_columns_in_words():
     assert list(shown["model"]) == ["short", "long", "worse"]
     assert list(shown["verdict"]) == ["recommended", "1 times the error", "2 times the error"]
     assert not any("_" in name for name in shown.columns)
-    assert shown["95 % error, median"].iloc[0] == "2 %"
+    assert shown["95 % error, median"].iloc[0] == "2.0 %, 0.40 % without the scan"
     assert shown["global error"].iloc[0] == "2 %"
     assert shown["least coverage"].iloc[0] == "90 %, high third of the gap h0"
     none_validated = table[table["model"] == "unknown"]
@@ -112,3 +113,19 @@ def test_recommended_amplitudes_stand_by_space_and_then_by_size(monkeypatch, tmp
     header, *shown = map(str.split, capsys.readouterr().out.splitlines()[:-2])
     amplitudes = [(row[0], float(row[header.index("hv_m")])) for row in shown]
     assert amplitudes == [("two_factor", 2e-6), ("four_factor", 1e-6), ("four_factor", 3e-6)]
+
+
+def test_a_target_force_that_no_model_gives_is_an_error_after_the_table(
+    monkeypatch, tmp_path, capsys
+):
+    rows = [{"space": space, "model": "bump"} for space in ("two_factor", "four_factor")]
+    table = pd.DataFrame(rows).assign(h0_m=5e-6, hv_m=float("nan"), force_n=30.0, note="too large")
+    table = table.assign(validation_error=0.01, worst_error=0.02)
+    monkeypatch.setattr(models.Results, "of_folder", lambda *_: models.Results(tmp_path, None))
+    monkeypatch.setattr(models, "recommendation_table", lambda _: table)
+    assert cli.main(["recommend", str(tmp_path)]) == 1
+    told = capsys.readouterr()
+    assert told.out.count("bump") == 4
+    assert "no recommended model gives 30 N at h0 = 5 µm" in told.err
+    # One position out of reach is a note of its row.
+    assert models.missing_amplitude_text(table.assign(hv_m=[float("nan"), 2e-6])) == ""

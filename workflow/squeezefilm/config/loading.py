@@ -36,6 +36,7 @@ from squeezefilm.sections import KeyPath, key_of_name
 from squeezefilm.units import (
     DECIMAL_REGEX,
     NUMBER_PATTERN,
+    corrected_quantity_text,
     number_in_unit,
     quantity_examples_text,
     quantity_of_unit,
@@ -179,7 +180,10 @@ def _read_yaml(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, 
         values = value_of_node(node, ()) if node else None
     except yaml.YAMLError as error:
         reason = " ".join(str(error).split()).replace('"<unicode string>", ', "")
-        raise InputError(f"{path}: not valid YAML: {reason}") from None
+        mark = getattr(error, "problem_mark", None)
+        line = text.splitlines()[mark.line : mark.line + 1] if mark else []
+        hint = "; indent by spaces: YAML allows no tab there" if "\t" in "".join(line) else ""
+        raise InputError(f"{path}: not valid YAML: {reason}{hint}") from None
     except RecursionError:
         raise InputError(f"{path}: nested too deeply") from None
     if not isinstance(values, dict):
@@ -270,6 +274,8 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
             f"{where}: {value} is in radians or in waves per length; write '{number:.6g} rad/m', "
             f"or '{2 * math.pi * number:.6g} rad/m' for {number:.6g} waves per metre"
         )
+    if unit and isinstance(wrong, str) and (corrected := corrected_quantity_text(wrong, unit)):
+        return f"{where}: {value} should be a valid number; write {corrected!r}"
     written = NUMBER_PATTERN.match(wrong) if isinstance(wrong, str) else None
     own = quantity_of_unit(wrong[written.end() :]) if written else ""
     if unit and own and (wanted := quantity_of_unit(unit)):
@@ -329,19 +335,25 @@ def differences_from_paper(config: Study) -> Iterator[str]:
 def study_notes(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
-    Numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT, a study of the paper with
-    another film, a standing wave without a model that repeats along it.
+    ``unit_notes``, a study of the paper with another film, a standing wave without a model that
+    repeats along it.
     """
     if config.paper and (changes := list(differences_from_paper(config))):
         yield (
             f"paper: true, but {', '.join(changes)}: its pages name a variant of the paper; leave "
             "paper out where the paper's claims are not to be compared"
         )
+    yield from _target_force_notes(config)
     if isinstance(config.actuator.profile, StandingWave) and not config.models:
         yield (
             "models: the force repeats along a standing wave, and formulas in x**2 + y**2 do not; "
             "add one with cos(4*pi*x/wavelength) (docs/reference/formulas.md)"
         )
+    yield from unit_notes(config)
+
+
+def unit_notes(config: FilmSections) -> Iterator[str]:
+    """Yield notes on numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT."""
     for place, value in config.written_values.items():
         unit = unit_of_schema(_schema_of_config_key(config, place))
         if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):
@@ -349,6 +361,26 @@ def study_notes(config: Study) -> Iterator[str]:
             if not least <= abs(value) <= most:
                 key = ".".join(map(str, place))
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
+
+
+def _target_force_notes(config: Study) -> Iterator[str]:
+    """Yield a note where no amplitude of the screen gives the target force.
+
+    As σ → ∞ a film with a parallel gap gives at most the force of a piston,
+    p0 A (√((1 + 3/2 ε²)/(1 − ε²)) − 1); inertia and heat add less than as much again.
+    """
+    target, hv_m = config.extrapolation, config.screen.hv_m.stop
+    ratio_squared = (hv_m / target.h0_m) ** 2
+    if ratio_squared >= 1 or not config.pad.gap.flat:
+        return
+    pressure_ratio = math.sqrt((1 + 1.5 * ratio_squared) / (1 - ratio_squared)) - 1
+    limit_n = config.gas.ambient_pressure_pa * config.pad.area_m2 * pressure_ratio
+    if target.force_n > 2 * limit_n:
+        yield (
+            f"extrapolation.force: {target.force_n:g} N is beyond the screen: at h0 = "
+            f"{1e6 * target.h0_m:g} µm and hv = {1e6 * hv_m:g} µm a film gives about "
+            f"{limit_n:.2g} N at most; recommended amplitudes would not be validated"
+        )
 
 
 def value_origin(config: FilmSections, key_path: KeyPath) -> str:
