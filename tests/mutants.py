@@ -84,7 +84,7 @@ MUTATIONS = {
         (f"{NUMERICS}/test_terms.py::test_fast_adiabatic_compression_is_stiffer_by_the_exponent",),
     ),
     "edge pressure": Mutation(
-        "quantities/edge_loss.py",
+        "quantities/edge_effects.py",
         "return -scale * films.sigma",
         "return +scale * films.sigma",
         (f"{NUMERICS}/test_budget.py::test_the_edge_loss_is_that_of_a_strip_at_every_order",),

@@ -182,6 +182,33 @@ def test_a_model_is_fitted_to_positions_on_a_rectangle(edited, repository):
     assert off_n < predicted["error_99_n"] < 0.3 * predicted["force_n"]
 
 
+def test_tables_of_a_fit_show_their_numbers(fit):
+    """hv_m was 0.000002 in both, and columns of an amplitude were elided."""
+    predicted, amplitude = fit.predict("6 um", "1.5 um"), fit.amplitude_for("0.5 N", "5 um")
+    assert "1.5e-06" in str(predicted.T)
+    assert f"{amplitude['hv_m'].iloc[0]:.6g}" in str(amplitude)
+    assert all(name in str(amplitude) for name in amplitude)
+
+
+def test_gap_and_response_are_those_of_the_command_line(study, repository, tmp_path):
+    """They were on the command line only."""
+    config, points = f"--config={repository}/config/quick.yaml", ["--hv=2um", "--x=1mm"]
+    assert main(["levitate", "--mass=60g", *points, config, f"--output={tmp_path}/gap.csv"]) == 0
+    assert main(["response", "--h0=5um", *points, config, f"--output={tmp_path}/own.csv"]) == 0
+    for name, table in (
+        ("gap", study.levitate("2 um", mass="60 g", x="1 mm")),
+        ("own", study.response("5 um", "2 um", x="1 mm")),
+    ):
+        told = pd.read_csv(tmp_path / f"{name}.csv")[list(table)]
+        assert (table["status"] == "ok").all()
+        numbers = table.select_dtypes("number")
+        np.testing.assert_allclose(numbers, told[list(numbers)], rtol=1e-9)
+    gains = study.gains("5 um", "2 um", frequencies="10, 1000 Hz")
+    assert gains["gain"].iloc[0] > gains["gain"].iloc[1] > 0
+    with pytest.raises(sf.InputError, match="give load, or one mass"):
+        study.levitate("2 um")
+
+
 def test_a_working_point_gives_the_force_that_was_wanted(study, fit):
     row = fit.amplitude_for("0.5 N", "5 um").iloc[0]
     force = float(study.force("5 um", float(row["hv_m"])))

@@ -49,7 +49,7 @@ def test_what_failed_is_shown_once_with_its_file_and_what_to_do():
     text = check.terminal_text(table, Path("results/mine"))
     assert len(re.findall(r"\bforce_n\b", text)) == 1
     assert "results/mine/simulations/screen/forces.csv" in text
-    assert "`make reference`" in text
+    assert "`make reference STUDIES=mine`" in text
 
 
 def test_of_what_failed_causes_stand_first():

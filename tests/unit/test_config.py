@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from squeezefilm.api.film import Film
+from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config, study_notes
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
@@ -71,6 +72,17 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ("frequency:", "frequency_hz:", "line 20: actuator: unknown key 'frequency_hz'; did you mean"),
     (f"  frequency: {HZ}\n", "", "line 19: actuator: missing 'frequency' (0.001 … 1e9 Hz): freq"),
     (HZ, "fast", f"line 20: actuator.frequency: 'fast' should be a valid number; {LIKE}"),
+    (
+        HZ,
+        "43,27 kHz",
+        "actuator.frequency: '43,27 kHz' should be a valid number; write '43.27 kHz'",
+    ),
+    (
+        HZ,
+        "43.27 khz",
+        "actuator.frequency: '43.27 khz' should be a valid number; write '43.27 kHz'",
+    ),
+    ("  frequency:", "\tfrequency:", "indent by spaces: YAML allows no tab there"),
     (HZ, "28 mm", f"actuator.frequency: '28 mm' is a length; a frequency is wanted; {LIKE}"),
     (HZ, "-3", "frequency: -3 should be greater than or equal to 0.001; allowed"),
     ("kind: sinc", "kind: bassel", "kind: 'bassel' is none of `sinc`, `piston`"),
@@ -190,3 +202,13 @@ def test_a_standing_wave_without_a_model_that_repeats_is_noted(profile, models, 
     )
     notes = [note for note in study_notes(load_config(path)) if "standing wave" in note]
     assert len(notes) == count
+
+
+def test_a_frequency_that_lacks_its_unit_is_noted_beside_every_result(paper, tmp_path, capsys):
+    """43.27 Hz, of kHz forgotten, gave a force without a word."""
+    path = tmp_path / "study.yaml"
+    path.write_text(paper.replace(HZ, "43.27"), encoding="utf-8")
+    note = "note: actuator.frequency is read as 43.27 Hz; for 43.27 kHz write the unit"
+    for command in (["simulate", "--dry-run"], ["simulate"], ["error-budget"]):
+        assert cli.main([*command, "--h0=5um", "--hv=1um", f"--config={path}"]) == 0
+        assert capsys.readouterr().err.count(note) == 1

@@ -58,6 +58,7 @@ def test_models_have_their_verdict_first_and_columns_in_words():
     row = {"parameters": 3, "fit_points": 9, "fit_error": 0.01, "cv_error": float("nan")}
     row |= {"validation_points": 50, "validation_failed": 0, "validation_worst_relative": 0.3}
     row |= {"validation_worst_n": 0.1, "error_95_percent": 2.0, "coverage": 0.95}
+    row |= {"error_95_without_scan_percent": 0.4}
     row |= {"coverage_min": 0.9, "coverage_min_region": "high third of the gap h0"}
     errors = {"worse": 0.04, "long": 0.02, "short": 0.02, "unknown": float("nan")}
     table = pd.DataFrame(
@@ -69,7 +70,7 @@ def test_models_have_their_verdict_first_and_columns_in_words():
     assert list(shown["model"]) == ["short", "long", "worse"]
     assert list(shown["verdict"]) == ["recommended", "1 times the error", "2 times the error"]
     assert not any("_" in name for name in shown.columns)
-    assert shown["95 % error, median"].iloc[0] == "2 %"
+    assert shown["95 % error, median"].iloc[0] == "2.0 %, 0.40 % without the scan"
     assert shown["global error"].iloc[0] == "2 %"
     assert shown["least coverage"].iloc[0] == "90 %, high third of the gap h0"
     none_validated = table[table["model"] == "unknown"]

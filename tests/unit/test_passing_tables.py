@@ -7,6 +7,7 @@ import pytest
 
 from squeezefilm.cli.main import main
 from squeezefilm.errors import InputError
+from squeezefilm_workflow.reporting.figures import style
 from squeezefilm_workflow.reporting.figures.curve import curve_figure
 
 POINTS = ["--h0=5um:9um:3", "--hv=0.5um:1.5um:3"]
@@ -101,9 +102,31 @@ def test_forces_over_x_and_y_are_a_map_that_names_gap_amplitude_and_study():
     )
     assert bar.get_ylabel() == "mean force $F$ (N)"
     assert map_axes.get_title() == "$h_0$ = 5 µm, $h_v$ = 1 µm, study mine"
+    assert figure.texts[0].get_text().startswith("Largest error: 1.0e-06 N.")
     on_a_line = points(y_m=[0.0, 1e-3, 2e-3, 3e-3], x_m=[0.0, 1e-3, 2e-3, 3e-3])
     with pytest.raises(InputError, match="the positions lie on a line"):
         curve_figure(on_a_line)
+
+
+@pytest.mark.parametrize("y_m", [[0.0, 1e-3, 0.0, 1e-3], [0.0, 5e-4, 0.0, 5e-4], [-3e-3, 0] * 2])
+def test_a_map_fills_its_figure_below_a_whole_title(y_m):
+    """The title lay above the picture, over an empty band as high as the labels."""
+    with style.figure_style():
+        figure = curve_figure(points(y_m=y_m))
+        style.freeze_layout(figure)
+        figure.draw_without_rendering()
+        lowest = figure.axes[0].get_tightbbox().y0
+    top, below = figure.bbox.height, figure.texts[0].get_window_extent().y1
+    assert figure.axes[0].title.get_window_extent().y1 <= top
+    assert below <= lowest <= below + 0.15 * top
+
+
+def test_the_largest_error_of_a_figure_is_rounded_up():
+    """0.01325 was at most 0.013."""
+    figure = curve_figure(
+        points(x_m=0.0, y_m=0.0, h0_m=[5e-6, 6e-6, 7e-6, 8e-6]).assign(force_error_n=0.01325)
+    )
+    assert "Bars: numerical error, at most 0.014 N." in figure.texts[0].get_text()
 
 
 def test_curves_are_told_apart_without_colours_and_name_what_is_constant():
@@ -142,12 +165,13 @@ def test_a_levitation_is_drawn_with_its_modelling_error_stiffness_and_resonance(
     (band,) = gap.collections[-1].get_paths()
     assert band.vertices[:, 1].min() == pytest.approx(2.5)
     assert band.vertices[:, 1].max() == pytest.approx(5.7)
-    assert stiffness.get_ylabel() == "static stiffness (N/m)"
+    assert stiffness.get_ylabel() == "static stiffness (kN/m)"
+    assert stiffness.containers[0].lines[0].get_ydata() == pytest.approx([10, 20, 30, 40])
     assert resonance.get_ylabel() == "resonance (Hz)"
     note = " ".join(figure.texts[0].get_text().split())
-    assert "Bars: numerical error, at most 0.001 µm." in note
+    assert "Bars: numerical error, at most 0.0010 µm." in note
     assert "Bars of the resonance: averaging, thermal effects and inertia." in note
-    assert "Bands: modelling error." in note
+    assert "Bands: the gap with the modelling error." in note
     assert "Hollow" not in note
     without = curve_figure(table.assign(resonance_hz=None))
     assert len(without.axes) == 2

@@ -93,6 +93,8 @@ def test_a_stiffness_is_shown_without_an_exponent():
     row = {"static_stiffness_n_per_m": 61760.0, "static_stiffness_error_n_per_m": 820.0}
     assert result_lines_text(row) == "static stiffness  61.76 ± 0.82 kN/m"
     assert result_lines_text({"static_stiffness_n_per_m": 320.0}) == "static stiffness  320 N/m"
+    row = {"static_stiffness_n_per_m": 3.736e7, "static_stiffness_error_n_per_m": 1.7e5}
+    assert result_lines_text(row) == "static stiffness  37.36 ± 0.17 MN/m"
 
 
 def test_a_zero_has_no_sign():

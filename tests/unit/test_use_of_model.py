@@ -178,6 +178,22 @@ def test_the_operating_point_has_the_position_that_is_taken(
     assert line.endswith(f", {taken}")
 
 
+def test_the_validation_states_the_part_of_an_error_that_it_measures(write_fit, tmp_path):
+    """A 95 % error of 2.1 % stood beside a coverage of 0.4 %: the rest was the scan's."""
+    model, theta = get_model("two_factor"), THETA["two_factor"]
+    path = write_fit(model, theta, validation=validation(0.016), profile_uncertainty=0.016)
+    predicted = table_of(["predict", str(path), "--h0=5um,6um", "--hv=1um"], tmp_path)
+    amplitudes = table_of(["amplitude-for", str(path), "--force=0.2N", "--h0=5um,6um"], tmp_path)
+    for table in (predicted, amplitudes):
+        assert list(table["profile_uncertainty_percent"]) == [1.6, 1.6]
+        own = 1.0 + 100 * 2e-3 / table["force_n"]
+        np.testing.assert_allclose(table["error_95_without_scan_percent"], own, rtol=1e-9)
+        np.testing.assert_allclose(table["error_95_percent"], own + 1.6, rtol=1e-9)
+    assert "within the stated 95 % error less the 1.6 % of the scan" in read_fit(path).statement
+    without = read_fit(write_fit(model, theta))
+    assert "within the stated 95 % error, as measured" in without.statement
+
+
 @pytest.mark.parametrize("name", ["two_factor", "four_factor", "limit_2"])
 def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     path = write_fit(get_model(name), THETA[name])

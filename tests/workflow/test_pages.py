@@ -27,7 +27,7 @@ PLACES = (*(place for place in OF_ANY_STUDY if place.startswith("figures/")), *O
 NAMES = [place.removeprefix("figures/") for place in PLACES if place not in OPTIONAL]
 IN_MM = ("vibration", "amplitudes", "fig05", "fig06", "fig15")
 UNITS = dict.fromkeys(IN_MM, "(mm)") | {"fig14": "(%)"}
-KNOWN_UNITS = ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)", "(Hz)", "(N/µm)")
+KNOWN_UNITS = ("(µm)", "(mm)", "(°)", "(N)", "(kPa)", "(%)", "(–)", "(Hz)", "(kN/m)")
 
 
 def drawn(name: str, results: Results):

@@ -167,6 +167,14 @@ def test_limits_of_a_job_grow_with_each_attempt(profile, repository, tmp_path):
     assert {*limits} == {"growing"}
 
 
+def test_a_check_without_a_reference_is_invalid_before_anything_is_made(fresh):
+    """A study of one's own was simulated for 94 s, and `make reference` made the repository's."""
+    study = ("--configfile", "config/plate.yaml")
+    done = snakemake(fresh, "check", *study, "--dry-run")
+    assert done.returncode != 0
+    assert "no reference; `make reference STUDIES=plate` makes one" in done.stdout
+
+
 def test_a_compared_file_that_was_deleted_is_made_again_by_the_check(repository, tmp_path):
     """Of a study in which every file is there; what is in the files does not matter here."""
     folder = copy_checkout(repository, tmp_path / "checkout", "tests/reference")

@@ -3,6 +3,17 @@
 REFERENCE = RULES.parents[1] / "tests" / "reference" / STUDY
 
 
+def reference_files(wildcards):
+    """The study's stored reference, which is missed before anything is made."""
+    paths = sorted(REFERENCE.glob("*.*"))
+    if not paths:
+        from snakemake.exceptions import WorkflowError
+        from squeezefilm_workflow.reporting.check import missing_reference_text
+
+        raise WorkflowError(missing_reference_text(REFERENCE))
+    return [source_file(path) for path in paths]
+
+
 rule checked:
     input:
         rules.all.input,
@@ -16,7 +27,7 @@ rule checked:
 rule compare_with_reference:
     input:
         rules.checked.input,
-        reference=[source_file(path) for path in sorted(REFERENCE.glob("*.*"))],
+        reference=reference_files,
     output:
         csv="<results>/check/check.csv",
         text="<results>/check/check.txt",

@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from squeezefilm.units import split_unit, unit_sizes
+from squeezefilm.units import split_unit, unit_size
 
 
 class Column(NamedTuple):
@@ -45,7 +45,7 @@ class Column(NamedTuple):
         """Values in the shown unit, or in the column's own."""
         if not self.shown_unit:
             return values
-        return values / unit_sizes(self.unit)[self.shown_unit]
+        return values / unit_size(self.shown_unit, of=self.unit)
 
 
 _COLUMNS_CSV_LINES = (

@@ -6,7 +6,7 @@ a row removes it, so that the columns that nothing takes are shown by their name
 
 import json
 from collections.abc import Mapping
-from math import floor, isfinite, log10, nan
+from math import ceil, floor, isfinite, log10, nan
 from typing import Any
 
 from squeezefilm.columns import COLUMNS, error_columns
@@ -18,6 +18,7 @@ from squeezefilm.reynolds.terms.outline import SmoothOutline
 from squeezefilm.reynolds.terms.polytropic import Polytropic
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.units import (
+    error_text,
     quantity_and_unit_of_column,
     round_up_error,
     split_unit,
@@ -39,16 +40,21 @@ FRACTION_COLUMNS = (
     "worst_relative_error",
     "worst_error",
 )
+ERROR_PERCENT_COLUMNS = (
+    "error_95_percent",
+    "error_95_without_scan_percent",
+    "profile_uncertainty_percent",
+)
+"""Errors without a value beside them: rounded up, as those with one are."""
 HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
     *("bearing_percent", "bearing_error_percent"),
-    *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
 NOT_AVAILABLE_TEXT, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
 NOT_VALIDATED_TEXT = "not validated"
 """Beginning of a note on a point that a model's validation does not cover."""
 EFFECT_NAMES_SHOWN = (
     *("inertia", "thermal", "depth_averaged", "sheared_gas", "moving_profile", "ram_pressure"),
-    *("slip", "flow_factor", "edge_loss"),
+    *("slip", "flow_factor", "edge_loss", "edge_flow"),
 )
 # Effects whose error is no numerical one.
 EFFECTS_WITH_ESTIMATED_ERROR = (
@@ -57,6 +63,7 @@ EFFECTS_WITH_ESTIMATED_ERROR = (
     "moving_profile",
     "ram_pressure",
     "flow_factor",
+    "edge_flow",
 )
 # Never negative: an error as large as the value leaves an upper bound.
 NON_NEGATIVE_QUANTITIES = ("resonance", "damping_ratio", "settling_start", "settling_stop")
@@ -65,6 +72,8 @@ COLUMNS_WITHOUT_MODELLING_ERROR = ("stiffness_n_per_m", "resonance_hz", "damping
 # An effect is shown as a bound where it is less than this fraction of its error.
 MIN_EFFECT_OVER_ERROR = 0.1
 SYMMETRY_OF_DOMAIN = {"whole": "none", "quarter": "x and y", "radius": "all around"}
+MIN_VALUE_WITH_PREFIX, MIN_STIFFNESS_IN_MEGANEWTONS = 1e3, 1e7
+"""Of stiffnesses in N/m: shown in kN/m and in MN/m from there."""
 MIN_VALUE_SHOWN_IN_MILLI, MIN_VALUE_WITHOUT_EXPONENT, MIN_EFFECT_SHOWN_PERCENT = 1e-4, 1e-4, 0.05
 
 Row = dict[str, Any]
@@ -113,6 +122,19 @@ def percent_text(*values: float, sign: str = "+", digits: int = 2) -> str:
     )
 
 
+def interval_text(lower: float, upper: float) -> str:
+    """Return the ends of an interval, rounded outward to two digits of the larger one."""
+    largest = max(abs(lower), abs(upper))
+    if not isfinite(largest) or largest == 0:
+        return " to ".join(number_text(end) for end in (lower, upper))
+    exponent = floor(log10(largest)) - 1
+    # What rounding added to an end that lies on a step already is no reason for the next one.
+    steps = floor(lower / 10**exponent + 1e-6), ceil(upper / 10**exponent - 1e-6)
+    if largest < MIN_VALUE_WITHOUT_EXPONENT:
+        return " to ".join(number_text(float(step) * 10**exponent) for step in steps)
+    return " to ".join(f"{step * 10**exponent:+.{max(-exponent, 0)}f}" for step in steps)
+
+
 def value_text(value: Any, unit: str = "", *, error: float | None = None, digits: int = 3) -> str:
     """Return a value with its unit and error, by the digits that this leaves."""
     if not isinstance(value, float) or value != value:
@@ -125,8 +147,9 @@ def value_text(value: Any, unit: str = "", *, error: float | None = None, digits
     if unit in ("m", "s") and 0 < abs(value) < 1:
         prefix, size = ("m", 1e3) if abs(value) >= MIN_VALUE_SHOWN_IN_MILLI else ("µ", 1e6)
         unit = prefix + unit
-    if unit == "N/m" and abs(value) >= 1000:
-        unit, size = "kN/m", 1e-3
+    if unit == "N/m" and abs(value) >= MIN_VALUE_WITH_PREFIX:
+        mega = abs(value) >= MIN_STIFFNESS_IN_MEGANEWTONS
+        unit, size = ("MN/m", 1e-6) if mega else ("kN/m", 1e-3)
     text = f"{size * value:.{max(digits, len(f'{abs(size * value):.0f}'))}g}"
     if error is not None:
         text = " ± ".join(value_and_error_texts(size * value, size * error))
@@ -176,6 +199,8 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     stem, unit = quantity_and_unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
+    if name in ERROR_PERCENT_COLUMNS and value == value:
+        return f"{error_text(value)} %"
     errors = [row[each] for each in error_columns(name, row)]
     if errors and stem in NON_NEGATIVE_QUANTITIES and round_up_error(max(errors)) >= value:
         bound = value_text(round_up_error(value + max(errors)), unit)
@@ -207,7 +232,7 @@ def _take_result_lines(row: Row) -> LabelledLines:
     reason = str(row.get("note", "")) if "95" in column else ""
     if reason.startswith(NOT_VALIDATED_TEXT):
         # What the model's errors are elsewhere is not of this point.
-        for other in ("note", "validation", "error_95_percent"):
+        for other in ("note", "validation", *ERROR_PERCENT_COLUMNS):
             row.pop(other, None)
     else:
         reason = NOT_AVAILABLE_TEXT
@@ -290,7 +315,11 @@ def _take_effect_lines(row: Row) -> LabelledLines:
         name: (row.pop(f"{name}_percent"), row.pop(name + EFFECT_ERROR_SUFFIX)) for name in names
     }
     neglected = {name: effects[name] for name in names if name not in included}
-    total = f"{effect_change_text(*ends)} of the {'force' if unit == 'N' else 'load'}"
+    sizes = sorted(size * end for end in ends)
+    if unit == "µm":  # with the second order of the gap's change
+        sizes = [1e6 * row.pop(f"h0_modelling_error_{end}_m") for end in ("lower", "upper")]
+    size_text = f"{interval_text(*sizes)} {unit}, " * isfinite(size)
+    total = f"{size_text}{interval_text(*ends)} % of the {'force' if unit == 'N' else 'load'}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE_TEXT + f": {status}" * (status != "ok")
         if reason := " and ".join(column_label(name) for name in unknown if name):
@@ -301,9 +330,9 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
         text = effect_change_text(effect, *[edge] * (name == "edge_loss"))
         if name in EFFECTS_WITH_ESTIMATED_ERROR:
-            text += f" ± {percent_text(error, sign='', digits=1)}"
+            text += f" ± {percent_text(round_up_error(error), sign='')}"
             if abs(effect) < MIN_EFFECT_OVER_ERROR * error:
-                bound = percent_text(abs(effect) + error, sign="", digits=1)
+                bound = percent_text(round_up_error(abs(effect) + error), sign="")
                 text = f"within ± {bound}"
         if not abs(effect) + error < MIN_EFFECT_SHOWN_PERCENT:
             lines.append(

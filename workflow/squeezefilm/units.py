@@ -72,7 +72,7 @@ UNITS = {
         PREFIX_FACTORS[prefix] * size, {base: Fraction(n) for base, n in power.items()}
     )
     for name, prefixes, size, power in (
-        ("N", "m", 1.0, {"N": 1}),
+        ("N", "mkM", 1.0, {"N": 1}),
         ("m", "muµμncp", 1.0, {"m": 1}),
         ("s", "m", 1.0, {"s": 1}),
         ("deg", "", 1.0, {"deg": 1}),
@@ -117,6 +117,14 @@ def unit_sizes(unit: str) -> dict[str, float]:
     return {name: each.size for name, each in UNITS.items() if wanted and each[1:] == wanted[1:]}
 
 
+def unit_size(unit: str, *, of: str) -> float:
+    """Return the size of a unit in another, both of which are known: 1000 of kN/m in N/m."""
+    size, whole = parse_compound_unit(unit), parse_compound_unit(of)
+    assert size, unit
+    assert whole, of
+    return size.size / whole.size
+
+
 def quantity_examples_text(unit: str) -> str:
     """Two ways to write a quantity with its unit."""
     return " or ".join(f"1 {name}" for name in (list(unit_sizes(unit)) or [unit])[:2])
@@ -140,6 +148,15 @@ def number_in_unit(text: str, unit: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
+def corrected_quantity_text(text: str, unit: str) -> str:
+    """Return a quantity with a decimal point and its unit's capitals; empty if it is none then."""
+    match = NUMBER_PATTERN.match(pointed := re.sub(r"(?<=\d),(?=\d)", ".", text, count=1))
+    written = pointed[match.end() :].strip() if match else ""
+    names = [name for name in unit_sizes(unit) if name.lower() == written.lower()]
+    name = written if written in names else names[0] if len(names) == 1 else ""
+    return f"{match[1]} {name}" if match and name else ""
+
+
 def quantity_of_unit(unit: str) -> str:
     """Return what a unit measures, such as ``a length``; an empty text if it is none of these."""
     wanted = parse_compound_unit(unit)
@@ -158,7 +175,9 @@ def parse_quantity(text: str, *, option: str, unit: str) -> float:
     value = None if NUMBER_PATTERN.fullmatch(text) else number_in_unit(text, unit)
     if value is None:
         names = ", ".join(name for name in unit_sizes(unit) if "μ" not in name)  # µ is there too
-        raise InputError(f"{option} {text!r} must be one number with its unit: {names}")
+        corrected = corrected_quantity_text(text, unit)
+        hint = f"; did you mean {corrected!r}?" if corrected else ""
+        raise InputError(f"{option} {text!r} must be one number with its unit: {names}{hint}")
     return value
 
 

@@ -331,7 +331,9 @@ class Film:
             >>> study.forces(pd.DataFrame({"h0_m": [5e-6, 6e-6], "hv_m": 2e-6}))["force_n"]
         """
         given: dict[str, Any] = {"tolerance": tolerance, "method": method, "outputs": outputs}
-        points = self._with_factor_columns(points)
+        from squeezefilm.api.points import Points
+
+        points = Points(self._with_factor_columns(points))
         how: dict[str, Any] = {"derivatives": derivatives, "budget": budget, **given}
         return forces_table(points, self.solved(self.scenes(points), **how))
 
@@ -355,6 +357,78 @@ class Film:
         """
         how: dict[str, Any] = {"derivatives": derivatives, "budget": budget, "smoothed": self.scan}
         return solve_forces(scenes, settings=self.solver(**given), **how)
+
+    def levitate(
+        self,
+        hv: FactorValues,
+        *,
+        load: FactorValues | None = None,
+        mass: FactorValues | None = None,
+        **position: Unpack[Position],
+    ) -> pd.DataFrame:
+        """The gap at which the film carries a load, a row for each amplitude, position and load.
+
+        The columns are those of ``squeezefilm levitate``, among them ``h0_m``, its errors, and
+        ``stiffness_n_per_m``; ``status`` is ``ok``, or why there is no gap.
+
+        Args:
+            load: loads; the weight of the mass by default.
+            mass: levitated mass, for resonance and damping ratio too.
+
+        Raises InputError for neither of both, and as ``scene`` does.
+
+        Example:
+            >>> film = sf.Film.read("config/levitation.yaml")
+            >>> film.levitate("3 um", mass="60 g")[["h0_m", "stiffness_n_per_m", "resonance_hz"]]
+        """
+        from squeezefilm.api.dynamics import levitation_scenes, levitations, parse_loads_and_mass
+        from squeezefilm.api.points import Points
+        from squeezefilm.dynamics.levitation import levitation_table
+
+        loads_n, mass_kg = parse_loads_and_mass(load, mass)
+        scenes = levitation_scenes(self, factor_combinations(hv=hv, **position))
+        rows = levitations(self, scenes, loads_n, mass_kg=mass_kg)
+        return Points(levitation_table(rows, resonances=mass_kg is not None))
+
+    def response(
+        self, h0: FactorValues, hv: FactorValues, **position: Unpack[Position]
+    ) -> pd.DataFrame:
+        """The response of the force to a changing amplitude, a row for each point.
+
+        The columns are those of ``squeezefilm response --output``, among them ``static_gain``,
+        ``corner_hz`` and ``settling_start_s``; ``status`` is ``ok``, or why there is none.
+        Raises InputError as ``scene`` does.
+
+        Example:
+            >>> study.response(h0="5 um", hv="2.2 um")[["static_gain", "corner_hz"]]
+        """
+        from squeezefilm.dynamics.response import response_table
+
+        points, solver = points_of_factors(h0=h0, hv=hv, **position), self.solver()
+        how: dict[str, Any] = {"tolerance": solver.tolerance, "device": solver.device}
+        return points.assign(**response_table(points, self.scenes(points), **how))
+
+    def gains(
+        self,
+        h0: FactorValues,
+        hv: FactorValues,
+        *,
+        frequencies: FactorValues,
+        **position: Unpack[Position],
+    ) -> pd.DataFrame:
+        """Gain and phase of the force behind a modulated amplitude, a row for each frequency.
+
+        Raises InputError as ``scene`` does.
+
+        Example:
+            >>> study.gains(h0="5 um", hv="2.2 um", frequencies="10, 100, 1000 Hz")["gain"]
+        """
+        from squeezefilm.api.points import Points
+        from squeezefilm.dynamics.response import gain_table
+
+        frequency_hz = parse_factor_values(frequencies, called="frequencies", unit="Hz")
+        points = points_of_factors(h0=h0, hv=hv, **position)
+        return Points(gain_table(points, self.scenes(points), np.array(frequency_hz)))
 
     def pressure(
         self,

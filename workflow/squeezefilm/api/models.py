@@ -116,14 +116,11 @@ class Fit:
             factors = fit.folded_factors(factors_of_table(points))
         force_n = fit.evaluate(factors)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            percent = 100 * error_95_n / np.abs(force_n)
         return points.assign(
             force_n=force_n,
             error_95_n=error_95_n,
             error_99_n=error_99_n,
-            error_95_percent=percent,
-            **fit.profile_uncertainty_column,
+            **fit.error_percent_columns(error_95_n, force_n),
             validity=fit.validity(factors),
             note=notes,
         )
@@ -228,7 +225,9 @@ class Fit:
 
 def _points_with_factor_columns(points: pd.DataFrame, *, needed: Sequence[str]) -> pd.DataFrame:
     """Points with the factors under their own names, and the user's own columns beside them."""
-    return pd.DataFrame(normalise_points(points, needed=needed, others="ignored"))
+    from squeezefilm.api.points import Points
+
+    return Points(normalise_points(points, needed=needed, others="ignored"))
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,7 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from squeezefilm.api.forces import scan_error_function
+from squeezefilm.api.dynamics import (
+    DEFAULT_FREQUENCIES_TEXT,
+    levitation_scenes,
+    levitation_settings,
+    levitations,
+    parse_loads_and_mass,
+)
 from squeezefilm.cli.options import (
     FILM_OPTIONS,
     SCENES_ARGUMENT,
@@ -24,19 +30,15 @@ from squeezefilm.cli.options import (
     table_output_option,
     write_or_print_rows,
 )
-from squeezefilm.dynamics.levitation import levitation_rows, levitation_table, valid_range_text
+from squeezefilm.dynamics.levitation import levitation_table, valid_range_text
 from squeezefilm.dynamics.response import gain_table, response_table, start_and_stop_table
 from squeezefilm.errors import InputError, RunError, prefix_errors
-from squeezefilm.film.validity import GAP_RANGE_M, OK
+from squeezefilm.film.validity import OK
 from squeezefilm.formatting import scene_row, value_text
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import print_step
 from squeezefilm.tables import read_scenes, write_table
-from squeezefilm.units import parse_quantities, parse_quantity
-
-DEFAULT_AMPLITUDE_RANGE_M = (1e-9, 1e-4)
-GRAVITY_M_PER_S2 = 9.80665
-DEFAULT_FREQUENCIES_TEXT = "10Hz,30Hz,100Hz,300Hz,1000Hz"
+from squeezefilm.units import parse_quantities
 
 
 @command(
@@ -81,37 +83,18 @@ def levitate(options: argparse.Namespace) -> None:
     loads each gap is told on stderr as soon as it is known.
     """
     film = film_of_options(options)
-    mass_kg = (
-        None if options.mass is None else parse_quantity(options.mass, option="--mass", unit="kg")
-    )
-    if mass_kg is not None and mass_kg <= 0:
-        raise InputError(f"--mass {options.mass!r} must be positive")
-    loads_n = [] if mass_kg is None else [GRAVITY_M_PER_S2 * mass_kg]
-    if options.load is not None:
-        loads_n = parse_quantities(options.load, option="--load", unit="N")
-    if options.hv is None or not loads_n:
+    if options.hv is None or options.load is options.mass is None:
         raise InputError("give --load and --hv, or --mass and --hv")
-    if min(loads_n) <= 0:
-        raise InputError(f"--load {options.load!r} must be positive")
+    loads_n, mass_kg = parse_loads_and_mass(options.load, options.mass, option="--{}")
     points = points_of_options(options, times=len(loads_n))
-    least, most = DEFAULT_AMPLITUDE_RANGE_M
-    for hv_m in points["hv_m"]:
-        if not least <= hv_m <= most:
-            raise InputError(
-                f"--hv: {1e6 * hv_m:g} µm must lie within {1e6 * least:g} … {1e6 * most:g} µm"
-            )
-    # Of the gap, which is sought, the largest: there surface and pad do not touch.
-    scenes = film.scenes(points | {"h0_m": (GAP_RANGE_M[1],) * len(points["hv_m"])})
-    settings, scan = film.solver(), film.scan
-    how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
-    off_n = scan_error_function(scan, device=settings.device)
+    scenes = levitation_scenes(film, points, option="--{}")
     alone = options.output is None and len(scenes) * len(loads_n) == 1
     rows = []
-    for row in levitation_rows(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg):
+    for row in levitations(film, scenes, loads_n, mass_kg=mass_kg):
         rows.append(row)
         if not alone:
             print_step(_levitation_text(row))
-    if scan is not None:
+    if (scan := film.scan) is not None:
         without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     if not alone:
@@ -122,7 +105,7 @@ def levitate(options: argparse.Namespace) -> None:
     if options.json or status == OK:
         print(result_text(rows[0], options))
     if status != OK:
-        raise RunError(f"{status}; {valid_range_text(scenes[0], **how)}")
+        raise RunError(f"{status}; {valid_range_text(scenes[0], **levitation_settings(film))}")
 
 
 def _levitation_text(row: dict[str, Any]) -> str:

@@ -45,7 +45,8 @@ def predict(options: argparse.Namespace) -> None:
 
     Outside the declared space, and for a fit without such a sample, both are empty and `note` says
     so. Where the profile was measured, both contain the uncertainty of its scan,
-    `profile_uncertainty_percent` of the force. `validity` is `ok`, or the limits of validity of the
+    `profile_uncertainty_percent` of the force; the validation sample measures the rest,
+    `error_95_without_scan_percent`. `validity` is `ok`, or the limits of validity of the
     film equation that a point exceeds; one point by options outside them is shown with exit status
     1.
     """

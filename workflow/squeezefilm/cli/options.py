@@ -6,16 +6,17 @@ The docstring of a command is its help.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Collection, Mapping, Sequence
+import sys
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 from squeezefilm.api.film import Film, factor_combinations
 from squeezefilm.columns import error_columns
-from squeezefilm.config.loading import load_film
+from squeezefilm.config.loading import load_film, unit_notes
 from squeezefilm.errors import InputError
-from squeezefilm.formatting import json_text, result_lines_text
+from squeezefilm.formatting import ERROR_PERCENT_COLUMNS, json_text, result_lines_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.tables import checked_table_path, write_table
@@ -31,7 +32,6 @@ HELP_OF_FACTOR = {
     "phi_r": "instead of --x and --y: distance from the centre, e.g. 2.9mm",
     "phi": "and direction, e.g. 45deg",
 }
-ERROR_PERCENT_COLUMNS = ("error_95_percent", "profile_uncertainty_percent")
 SEVERAL_VALUES_HELP = (
     "each a value, several (5um,6um) or first:last:count (5:10:6um: 6 values), in every combination"
 )
@@ -107,7 +107,14 @@ def film_of_options(options: argparse.Namespace, outputs: Sequence[str] | None =
         raise InputError("give a study by --config CONFIG.yaml")
     given = {name: getattr(options, name, None) for name in ("tolerance", "method", "device")}
     config = load_film(options.config or PAPER_CONFIG_PATH)
+    print_notes(unit_notes(config))
     return Film(config, given | {"outputs": outputs})
+
+
+def print_notes(notes: Iterable[str]) -> None:
+    """Print notes on a study beside the results."""
+    for note in notes:
+        print(f"note: {note}", file=sys.stderr)
 
 
 def points_of_options(options: argparse.Namespace, times: int = 1) -> dict[str, tuple[float, ...]]:

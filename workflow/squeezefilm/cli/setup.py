@@ -3,12 +3,11 @@
 import argparse
 import json
 import os
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from squeezefilm.cli.options import command, flag_option, option
+from squeezefilm.cli.options import command, flag_option, option, print_notes
 from squeezefilm.config.loading import (
     FilmWithoutStudyError,
     effective_yaml,
@@ -128,16 +127,15 @@ def config(options: argparse.Namespace) -> None:
         study = check_study(load_config(options.study))
     except FilmWithoutStudyError as film_alone:
         print(effective_yaml(load_film(options.study)), end="")
-        print(f"note: {film_alone}", file=sys.stderr)
+        print_notes([str(film_alone)])
         return
     check_models_of_study(study)
     chunk_counts(study)
     print(effective_yaml(study), end="")
-    for note in study_notes(study):
-        print(f"note: {note}", file=sys.stderr)
+    print_notes(study_notes(study))
     named = {name for section in (study.comparison, study.refine) for name in section.all_names}
-    for name in [model for model in study.models if model not in named]:
-        print(f"note: models.{name} is not fitted: add it to a comparison", file=sys.stderr)
+    unused = [model for model in study.models if model not in named]
+    print_notes(f"models.{name} is not fitted: add it to a comparison" for name in unused)
 
 
 @command(option("--device", help="part of the wanted one's name, instead of SQUEEZEFILM_DEVICE"))

@@ -10,11 +10,12 @@ from squeezefilm.cli.options import (
     STUDY_OPTION,
     command,
     option,
+    print_notes,
     print_table,
     result_text,
     table_output_option,
 )
-from squeezefilm.config.loading import load_config
+from squeezefilm.config.loading import load_config, unit_notes
 from squeezefilm.errors import prefix_errors
 from squeezefilm.files import file_digest
 from squeezefilm.studies.tasks.scan_errors import scan_report
@@ -41,7 +42,9 @@ def profile(options: argparse.Namespace) -> None:
     PROFILE.csv has the scan's points with their residuals;
     `squeezefilm plot profile PROFILE.csv --output profile.png` draws them.
     """
-    forces, table, _, text = scan_report(load_config(options.config))
+    config = load_config(options.config)
+    print_notes(unit_notes(config))
+    forces, table, _, text = scan_report(config)
     if options.forces:
         write_table(forces, options.forces)
     if options.table:

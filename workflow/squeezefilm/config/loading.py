@@ -36,6 +36,7 @@ from squeezefilm.sections import KeyPath, key_of_name
 from squeezefilm.units import (
     DECIMAL_REGEX,
     NUMBER_PATTERN,
+    corrected_quantity_text,
     number_in_unit,
     quantity_examples_text,
     quantity_of_unit,
@@ -179,7 +180,10 @@ def _read_yaml(text: str, *, path: Path) -> tuple[dict[str, Any], dict[KeyPath, 
         values = value_of_node(node, ()) if node else None
     except yaml.YAMLError as error:
         reason = " ".join(str(error).split()).replace('"<unicode string>", ', "")
-        raise InputError(f"{path}: not valid YAML: {reason}") from None
+        mark = getattr(error, "problem_mark", None)
+        line = text.splitlines()[mark.line : mark.line + 1] if mark else []
+        hint = "; indent by spaces: YAML allows no tab there" if "\t" in "".join(line) else ""
+        raise InputError(f"{path}: not valid YAML: {reason}{hint}") from None
     except RecursionError:
         raise InputError(f"{path}: nested too deeply") from None
     if not isinstance(values, dict):
@@ -270,6 +274,8 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
             f"{where}: {value} is in radians or in waves per length; write '{number:.6g} rad/m', "
             f"or '{2 * math.pi * number:.6g} rad/m' for {number:.6g} waves per metre"
         )
+    if unit and isinstance(wrong, str) and (corrected := corrected_quantity_text(wrong, unit)):
+        return f"{where}: {value} should be a valid number; write {corrected!r}"
     written = NUMBER_PATTERN.match(wrong) if isinstance(wrong, str) else None
     own = quantity_of_unit(wrong[written.end() :]) if written else ""
     if unit and own and (wanted := quantity_of_unit(unit)):
@@ -329,8 +335,8 @@ def differences_from_paper(config: Study) -> Iterator[str]:
 def study_notes(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
-    Numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT, a study of the paper with
-    another film, a standing wave without a model that repeats along it.
+    ``unit_notes``, a study of the paper with another film, a standing wave without a model that
+    repeats along it.
     """
     if config.paper and (changes := list(differences_from_paper(config))):
         yield (
@@ -343,6 +349,11 @@ def study_notes(config: Study) -> Iterator[str]:
             "models: the force repeats along a standing wave, and formulas in x**2 + y**2 do not; "
             "add one with cos(4*pi*x/wavelength) (docs/reference/formulas.md)"
         )
+    yield from unit_notes(config)
+
+
+def unit_notes(config: FilmSections) -> Iterator[str]:
+    """Yield notes on numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT."""
     for place, value in config.written_values.items():
         unit = unit_of_schema(_schema_of_config_key(config, place))
         if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):

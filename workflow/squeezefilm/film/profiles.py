@@ -281,6 +281,8 @@ class ScanFile:
         file: a vibrometer's table (see below), from the folder of this file
         axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
             leaves it free, and is what a rectangle needs
+        along: of a rectangle `x` if the shape is the same at every y, `y` if at every x: points on
+            a line will do
         sign: with `measured` a scan without phase and sign is invalid, for it is rectified at
             a node line; `unknown` takes it as it is, and every force says so
         rows: `COLUMN = VALUE`, the rows of one measurement where the table has several (a drive
@@ -296,6 +298,7 @@ class ScanFile:
     kind: Literal["measured"] = field(default="measured", kw_only=True)
     file: Text
     axisymmetric: StrictBool = False
+    along: Literal["", "x", "y"] = ""
     sign: Literal["measured", "unknown"] = "measured"
     rows: str = ""
     origin_m: tuple[Coordinate, Coordinate] = (0.0, 0.0)

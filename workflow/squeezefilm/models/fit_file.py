@@ -244,11 +244,16 @@ class FittedModel(BaseModel):
             else self.prediction_interval.statement
         )
 
-    @property
-    def profile_uncertainty_column(self) -> dict[str, float]:
-        """A column of the profile's uncertainty in per cent of the force; none without a scan."""
-        fraction = self.profile_uncertainty
-        return {"profile_uncertainty_percent": 100 * fraction} if fraction else {}
+    def error_percent_columns(self, error_95_n: ArrayLike, force_n: ArrayLike) -> dict[str, Any]:
+        """The 95 % error in per cent of the force; with a scan also its two parts."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            percent = 100 * np.asarray(error_95_n) / np.abs(force_n)
+        scan = 100 * self.profile_uncertainty
+        parts = {
+            "error_95_without_scan_percent": percent - scan,
+            "profile_uncertainty_percent": scan,
+        }
+        return {"error_95_percent": percent} | (parts if scan else {})
 
 
 def read_fit(path: Path | str) -> FittedModel:
@@ -291,8 +296,8 @@ def amplitude_row(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
     where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position_columns)}
     row: dict[str, object] = {
         "force_n": force_n,
-        **dict.fromkeys(("hv_m", "hv_error_95_m", "error_95_percent"), np.nan),
-        **fit.profile_uncertainty_column,
+        **dict.fromkeys(("hv_m", "hv_error_95_m"), np.nan),
+        **fit.error_percent_columns(np.nan, force_n),
         "validity": "",
     }
     fit.with_asymptotic_forces(point)  # an error names what is missing, if anything
@@ -313,7 +318,7 @@ def amplitude_row(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
     return row | {
         "hv_m": hv_m,
         "hv_error_95_m": error_n / abs(slope) if slope else np.nan,
-        "error_95_percent": 100 * error_n / abs(force_n),
+        **fit.error_percent_columns(error_n, force_n),
         "validity": fit.validity(near.take([1]))[0],
         "note": note,
     }

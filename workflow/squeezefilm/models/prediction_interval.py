@@ -35,6 +35,7 @@ from squeezefilm.lazy import pd
 from squeezefilm.models.data import Array, Factors
 from squeezefilm.models.fitting import local_fit_theta
 from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.units import error_text
 
 PROFILE_UNCERTAINTY_LEVEL = 0.95
 """Level at which the uncertainty of a measured profile is stated."""
@@ -54,7 +55,8 @@ class PredictionInterval(BaseModel):
             the sample leaves the interval infinite.
         points: simulations of the sample; ``failed`` of them have no force, or no modelled one.
         calibration_points: those that the half widths come from.
-        mean_coverage: share of the other half inside the 95 % interval.
+        mean_coverage: share of the other half inside the 95 % interval without the part of the
+            profile, whose error models and simulations share.
         coverage: the same by region (``factor_third_masks``).
         profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %; it is
             part of error_95 and error_99.
@@ -91,12 +93,12 @@ class PredictionInterval(BaseModel):
         )
         if self.error_95 is None:
             return f"Not validated: of {sample} too few have a force for a 95 % interval."
+        scan = error_text(100 * self.profile_uncertainty)
+        without = f" less the {scan} % of the scan" if self.profile_uncertainty else ""
         return (
-            f"Of points drawn uniformly from the declared space ({self.space_name}), 95 % have "
-            f"a force "
-            f"within the stated 95 % error, as measured on "
-            f"{self.calibration_points} of {sample}; "
-            "single points can lie outside."
+            f"Of points drawn uniformly from the declared space ({self.space_name}), 95 % have a "
+            f"simulated force within the stated 95 % error{without}, as measured on "
+            f"{self.calibration_points} of {sample}; single points can lie outside."
         )
 
     @property

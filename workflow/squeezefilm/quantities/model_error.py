@@ -1,10 +1,10 @@
 """The modelling error of a force: what the film equation neglects, effect by effect, in % of it.
 
 An effect is the difference of two solved forces, with and without it: slip, inertia and thermal
-effects are terms of the solver, the edge loss is a pressure on the edge that is solved for
-(edge_loss.py), and inertia and heat of gas that a sliding wall drags are a source of mass
-(sheared_gas.py), as is a profile that it carries along (moving_profile.py). Effects interact, so
-all that are neglected together are one solve more, and not the sum of the rows. What cannot be
+effects are terms of the solver, the edge loss and flow around the edge are a pressure on it that is
+solved for (edge_effects.py), and inertia and heat of gas that a sliding wall drags are a source of
+mass (sheared_gas.py), as is a profile that it carries along (moving_profile.py). Effects interact,
+so all that are neglected together are one solve more, and not the sum of the rows. What cannot be
 solved for is unknown, and so is the total then.
 """
 
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import chain
 from math import isfinite, isnan, nan
 from pathlib import Path
@@ -22,7 +22,8 @@ import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_FILM_SIGMA
-from squeezefilm.quantities import edge_loss, moving_profile, sheared_gas
+from squeezefilm.quantities import edge_effects, moving_profile, sheared_gas
+from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
@@ -48,7 +49,7 @@ AUTO_TERMS: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 SLIDING_EFFECT_NAMES = ("sheared_gas", "moving_profile", "ram_pressure")
 EFFECT_NAMES = (
     *(*AUTO_TERMS, "depth_averaged", *SLIDING_EFFECT_NAMES),
-    *("slip", "flow_factor", "edge_loss", "bearing"),
+    *("slip", "flow_factor", "edge_loss", "edge_flow", "bearing"),
 )
 # Name of all neglected effects at once, where each alone was solved for.
 ALL_EFFECTS_LABEL = "all effects together"
@@ -81,7 +82,8 @@ class ErrorBudget:
         effects: by EFFECT_NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction,
             between walls at ambient temperature; ``depth_averaged``, error of both as averages over
             the gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as
-            the scene has it; ``flow_factor``, its difference from that; ``edge_loss`` for C = 1.
+            the scene has it; ``flow_factor``, its difference from that; ``edge_loss`` for C = 1;
+            ``edge_flow``, flow around the edge.
 
             Of a sliding pad: ``bearing``; ``sheared_gas``, inertia and heat beside those of the
             flow by pressure; ``moving_profile``, motion of the profile past the pad;
@@ -235,10 +237,11 @@ def _error_budgets_of_variants(
     films: Sequence[EffectVariants], tolerances: Sequence[float], device: Device
 ) -> list[ErrorBudget]:
     moving = [film for film in films if film.has_force]
-    vibrating = {scene: None for film in moving for scene in (film.scene, film.together)}
+    alone = {film.scene: None for film in moving}
+    together = {film.together: None for film in moving}
     sliding = {film.together: None for film in moving if film.scene.bearing_number}
     with_still = sliding | {film.still.together: None for film in moving if film.still}
-    with_states = vibrating | with_still
+    with_states = alone | together | with_still
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
     for tolerance in tolerances:
@@ -257,9 +260,11 @@ def _error_budgets_of_variants(
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
     changes: ForceChanges = {}
+    edge_changes = edge_effects.edge_effect_changes
     for name, force_changes, of_scenes in (
-        ("edge_loss", edge_loss.edge_loss_changes, vibrating),
-        ("ram_pressure", edge_loss.ram_pressure_changes, sliding),
+        ("separate_edge_effects", partial(edge_changes, laws=SEPARATE_LAWS), alone),
+        ("joint_edge_effects", partial(edge_changes, laws=JOINT_LAWS), together),
+        ("ram_pressure", edge_effects.ram_pressure_changes, sliding),
         ("sheared_gas", sheared_gas.sheared_gas_force_changes, with_still),
         ("moving_profile", moving_profile.moving_profile_changes, sliding),
     ):
@@ -314,8 +319,21 @@ def _error_budget_of_variants(
     for name in film.unsolvable:
         effects[name] = UNKNOWN_EFFECT
     effects["depth_averaged"] = Effect(*depth_averaging_change_percent(film.together))
-    (edge, edge_upper), (edge_error, _) = 100 * changes["edge_loss"][scene]
-    effects["edge_loss"] = Effect(float(edge), float(edge_error))
+    edge_loss, edge_loss_upper, edge_flow = _effects_of_changes(
+        changes["separate_edge_effects"][scene]
+    )
+    # Those of the film with all other effects, over that film's force.
+    with_all = solutions[film.together].force_n / own.force_n
+    joint = with_all * changes["joint_edge_effects"][film.together]
+    *edges, resistance, inertance = _effects_of_changes(joint)
+    edge_flow_error = sum(
+        effect.error_percent + float(ratio) * abs(effect.percent)
+        for effect, ratio in zip(
+            (resistance, inertance), edge_effects.edge_flow_error_ratios(scene), strict=True
+        )
+    )
+    effects["edge_loss"] = edge_loss
+    effects["edge_flow"] = Effect(edge_flow.percent, edge_flow.error_percent + edge_flow_error)
     together, error = change_percent(film.together, film.reference)
     error += doubt * abs(together)
     if "flow_factor" in film.pairs:
@@ -323,12 +341,10 @@ def _error_budget_of_variants(
         # Of a film without inertia and thermal effects, which it may interact with.
         interaction = 0.0 if film.together.viscous() == film.together else abs(percent)
         effects["flow_factor"] = Effect(percent, flow_error + interaction)
-    # Those of the film with all other effects, over that film's force.
-    with_all = solutions[film.together].force_n / own.force_n
     if scene.bearing_number:
         effects |= _sliding_effects(film, solutions, changes)
-    ends, errors = 100 * with_all * changes["edge_loss"][film.together]
-    error += max(map(abs, errors))
+    ends = [edge.percent for edge in edges]
+    error += max(edge.error_percent for edge in edges) + edge_flow_error
     for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECT_NAMES):
         together += effects[name].percent
         error += effects[name].error_percent
@@ -336,12 +352,17 @@ def _error_budget_of_variants(
         together = nan
     return ErrorBudget(
         effects,
-        edge_loss_upper_percent=float(edge_upper),
+        edge_loss_upper_percent=edge_loss_upper.percent,
         modelling_error_percent=(
             float(together + min(ends) - error),
             float(together + max(ends) + error),
         ),
     )
+
+
+def _effects_of_changes(changes: np.ndarray) -> list[Effect]:
+    """Return effects by relative changes of a force and their errors, (2, effects)."""
+    return [Effect(100 * float(change), 100 * abs(float(error))) for change, error in changes.T]
 
 
 def _sliding_effects(

@@ -69,7 +69,7 @@ FIT_OF_DESIGN = {
     "four_factor": "four_factor",
     "four_factor_distinct": "four_factor",
 }
-BUDGET_COLUMNS_PATTERN = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
+BUDGET_COLUMNS_PATTERN = "(inertia|slip|thermal|edge_loss|edge_flow|modelling_error.*)_percent"
 COLUMNS_PATTERN_OF_RESULT = {
     "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET_COLUMNS_PATTERN}",
     "simulations/four_factor/error_budget": BUDGET_COLUMNS_PATTERN,
@@ -179,7 +179,7 @@ def check_page(results: Results, *, reference: str) -> Page:
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
     values = {
-        "summary": passed_and_failed_text(table),
+        "summary": passed_and_failed_text(table, study=results.folder.name),
         "table": shown,
         "plan_size": MAX_FORCES_ALL_KEPT,
     }
@@ -217,6 +217,11 @@ def compare_quantities(
     return pd.DataFrame(rows, columns=list(CHECK_COLUMNS))
 
 
+def missing_reference_text(folder: Path) -> str:
+    """Return what is missing in a folder, which has the study's name, and the remedy."""
+    return f"{folder}: there is no reference; `make reference STUDIES={folder.name}` makes one"
+
+
 def read_reference(folder: Path) -> ReferenceCells:
     """Read the cells of every quantity, one file for each part.
 
@@ -224,7 +229,7 @@ def read_reference(folder: Path) -> ReferenceCells:
     """
     paths = sorted(folder.glob("*.csv"))
     if not paths:
-        raise InputError(f"{folder}: there is no reference; `make reference` makes one")
+        raise InputError(missing_reference_text(folder))
     reference: ReferenceCells = {}
     for path in paths:
         try:
@@ -297,14 +302,14 @@ def compare_pictures(pictures: Path, reference: Path) -> Iterator[CheckedQuantit
         )
 
 
-def passed_and_failed_text(table: pd.DataFrame) -> str:
+def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
     """Return a sentence with the number of quantities that passed or failed."""
     failed = int((table["verdict"] != PASSED).sum())
     if failed:
         return (
             f"{failed} of {len(table)} quantities failed. Delete the first file that failed, from "
             "which others may be made, and run again; where the change is intended, "
-            "`make reference` makes a new reference."
+            f"`make reference STUDIES={study}` makes a new reference."
         )
     return f"All {len(table)} quantities passed."
 
@@ -335,7 +340,7 @@ def terminal_text(table: pd.DataFrame, folder: Path) -> str:
     }
     shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items() if len(rows)]
     paths = ["Files that failed:\n", *(f"{file}\n" for file in files), "\n"] if files else []
-    return "".join([*shown, *paths, passed_and_failed_text(table)])
+    return "".join([*shown, *paths, passed_and_failed_text(table, study=folder.name)])
 
 
 def tolerance_by_kind(solver: float) -> dict[str, CellTolerance]:

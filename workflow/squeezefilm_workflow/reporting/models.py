@@ -26,6 +26,7 @@ from squeezefilm.models.prediction_interval import (
     relative_errors,
 )
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
+from squeezefilm.units import error_text
 from squeezefilm_workflow.reporting.notes import TEXT_OF_REFINE_VERDICT, percent_text
 from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
@@ -33,8 +34,8 @@ from squeezefilm_workflow.reporting.results import Results
 MODEL_COLUMNS = (
     *("model", "parameters", "fit_points", "fit_error", "cv_error", "validation_points"),
     *("validation_failed", "validation_error", "validation_worst_relative", "validation_worst_n"),
-    *("error_95_percent", "coverage", "coverage_min", "coverage_min_region", "expression"),
-    *("about", "note"),
+    *("error_95_percent", "error_95_without_scan_percent", "coverage", "coverage_min"),
+    *("coverage_min_region", "expression", "about", "note"),
 )
 SHOWN_COLUMN_TITLES = {
     "model": "model",
@@ -95,7 +96,12 @@ def shown_models_table(judged: pd.DataFrame) -> pd.DataFrame:
     regions = zip(judged["coverage_min"], judged["coverage_min_region"], strict=True)
     judged = judged.assign(
         verdict=["recommended", *others][: len(judged)],
-        error_95_percent=[f"{error:.3g} %" for error in judged["error_95_percent"]],
+        error_95_percent=[
+            f"{error_text(error)} %" + f", {error_text(own)} % without the scan" * (own < error)
+            for error, own in zip(
+                judged["error_95_percent"], judged["error_95_without_scan_percent"], strict=True
+            )
+        ],
         least_coverage=[f"{percent_text(least)}, {region}" for least, region in regions],
     )
     return readable_table(judged[list(SHOWN_COLUMN_TITLES)]).set_axis(
@@ -174,6 +180,9 @@ def _model_row_and_errors(
     sizes = error_statistics(model_n=predicted, simulation_n=forces["force_n"])
     least = min(fit.prediction_interval.coverage, key=lambda region: region["coverage"])
     cross = fit.cross_validation
+    error_95_percent = 100 * np.median(
+        fit.prediction_interval.error_n(predicted) / np.abs(predicted)
+    )
     row = {
         "model": fit.model,
         "parameters": len(fit.theta),
@@ -184,8 +193,8 @@ def _model_row_and_errors(
         "validation_error": sizes["global_error"],
         "validation_worst_relative": sizes["largest_relative"],
         "validation_worst_n": sizes["largest_n"],
-        "error_95_percent": 100
-        * np.median(fit.prediction_interval.error_n(predicted) / np.abs(predicted)),
+        "error_95_percent": error_95_percent,
+        "error_95_without_scan_percent": error_95_percent - 100 * fit.profile_uncertainty,
         "coverage": fit.prediction_interval.mean_coverage,
         "coverage_min": least["coverage"],
         "coverage_min_region": f"{least['third']} third of the {COLUMNS[least['quantity']].label}",

@@ -45,6 +45,11 @@ def percent_text(fraction: float) -> str:
     return f"{100 * fraction:{digits}} %".replace("-", "−")
 
 
+def bound_percent_text(fraction: float) -> str:
+    """A bound on an error as a percentage, rounded up to two digits: 0.01642 → 1.7 %."""
+    return f"{units.error_text(100 * fraction)} %"
+
+
 def signed_text(value: float, digits: int = 2) -> str:
     """A number with its sign; in words where it is not known."""
     sign = "+" if value else ""

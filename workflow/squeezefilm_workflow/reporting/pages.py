@@ -15,7 +15,12 @@ from markupsafe import Markup
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import write_text
-from squeezefilm_workflow.reporting.notes import five_digit_text, percent_text, rounded_up_text
+from squeezefilm_workflow.reporting.notes import (
+    bound_percent_text,
+    five_digit_text,
+    percent_text,
+    rounded_up_text,
+)
 
 VERDICT_STARTS_OF_STYLE = {
     "good": ("agrees", "passed", "solved", "explains", "recommended"),
@@ -69,6 +74,7 @@ TEMPLATE_ENVIRONMENT = Environment(
 )
 TEMPLATE_ENVIRONMENT.filters |= {
     "percent": percent_text,
+    "bound_percent": bound_percent_text,
     "rounded_up": rounded_up_text,
     "table": markdown_table,
 }

@@ -15,6 +15,8 @@ from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
 
 COMPLEX_PATTERN = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
+PAIR_PATTERN = re.compile(r"\(\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*\)")
+"""A complex number as C++, Fortran and Octave write it: ``(1.2,-0.3)``."""
 IMAGINARY_UNIT_PATTERN = re.compile(r"\*?(?:[ijI]|im)$")
 MISSING_PATTERN = re.compile(
     r"|-|--|na|n\.?/?a\.?|k\.a\.|null|none|not available"
@@ -68,6 +70,10 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         cells = cells.mask(
             with_unit, cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
         )
+    if name == "amplitude":
+        pairs = cells.str.fullmatch(PAIR_PATTERN).astype(bool)
+        cells = cells.mask(pairs, cells.str.replace(PAIR_PATTERN, r"\1+\2i", regex=True))
+        cells = cells.str.replace("+-", "-", regex=False).str.replace("++", "+", regex=False)
     cells = _without_thousands_separators(cells)
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():

@@ -34,10 +34,11 @@
 
   // ---- what is said of a point -------------------------------------------------------------------
 
-  // The part of an error that the scan of a measured profile leaves open.
-  function ofScan(fit) {
-    const { profile_uncertainty } = fit.interval;
-    return profile_uncertainty ? ` (${share(profile_uncertainty)} of it the vibrometer’s scan)` : "";
+  // A 95 % error of a force, and its two parts where the profile is a scan.
+  function errorText(fit, part) {
+    const { profile_uncertainty: scan } = fit.interval;
+    const parts = scan ? `: ${share(part - scan)} of the force by the model, ${share(scan)} by the scan` : "";
+    return `95 % error ${share(part)}${parts}`;
   }
 
   function placeOf(point) {
@@ -161,7 +162,7 @@
     const validation = byId("validation");
     validation.classList.toggle("doubtful", reason !== "");
     validation.innerHTML = reason ? "<b>Not validated:</b> " : "<b>Validated:</b> ";
-    validation.append(reason || `95 % error ${share(error_n / Math.abs(value))}${ofScan(fit)}. ${fit.statement}`);
+    validation.append(reason || `${errorText(fit, error_n / Math.abs(value))}. ${fit.statement}`);
     const validity = data.inertia.reynolds_per_h0_square * now.h0_m ** 2;
     byId("validity").hidden = !(validity > data.inertia.most_reynolds);
     byId("validity").textContent = `Re ${plain(validity, 2)} at this gap: ${data.inertia.beyond}`;

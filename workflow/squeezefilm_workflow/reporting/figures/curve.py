@@ -13,14 +13,17 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from squeezefilm.columns import COLUMNS, error_column
+from squeezefilm.columns import COLUMNS, Column, error_column
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS, cartesian_from_polar
 from squeezefilm.film.validity import OK
+from squeezefilm.units import error_text
 from squeezefilm_workflow.reporting.figures import parts, style
 
 MARKERS = "os^DvPX*<>ph"
 MAX_CURVE_LINES = len(MARKERS)
+MAP_WIDTH_IN, MAP_MARGINS_IN, MAP_SHAPE_RANGE = 2.0, 0.7, (0.5, 1.6)
+"""Of a map: the width of its axes, title, labels and note, the range of height over width."""
 
 
 @dataclass(frozen=True)
@@ -177,7 +180,7 @@ def _draw_lines(
     notes = [_error_bars_text(known, result)]
     if "resonance_hz" in panels:
         notes += ["Bars of the resonance: averaging, thermal effects and inertia."]
-    notes += ["Bands: modelling error."] * bool(bounds)
+    notes += ["Bands: the gap with the modelling error."] * bool(bounds)
     return figure, " ".join(notes)
 
 
@@ -189,8 +192,12 @@ def _error_bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
     )
     own = "numerical error and scan" if scanned else "numerical error"
     column = COLUMNS[result.result_column]
-    largest = f"{column.in_shown_unit(known['error'].max()):.2g} {column.shown_unit}"
-    return f"Bars: {'prediction error (95 %)' if predicted else own}, at most {largest}."
+    kind = "prediction error (95 %)" if predicted else own
+    return f"Bars: {kind}, at most {_largest_error_text(known, column)}."
+
+
+def _largest_error_text(known: pd.DataFrame, column: Column) -> str:
+    return f"{error_text(column.in_shown_unit(known['error'].max()))} {column.shown_unit}"
 
 
 def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> tuple[Figure, str]:
@@ -202,18 +209,17 @@ def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> 
         {"x": 1e3 * x_m, "y": 1e3 * y_m, "value": column.in_shown_unit(known[result.result_column])}
     )
     dots = dots.assign(filled=known["filled"]).round({"x": 9, "y": 9}).drop_duplicates(["x", "y"])
-    figure, axes = style.subplots(height_in=3.2)
+    height_over_width = np.ptp(dots["y"]) / max(np.ptp(dots["x"]), 1e-9)
+    height_in = MAP_WIDTH_IN * float(np.clip(height_over_width, *MAP_SHAPE_RANGE)) + MAP_MARGINS_IN
+    figure, axes = style.subplots(height_in=height_in)
     try:
         drawn = axes.tricontourf(dots["x"], dots["y"], dots["value"], levels=14)
     except (ValueError, RuntimeError):
         raise InputError("the positions lie on a line, or are fewer than three: no map") from None
-    for filled, fill in ((True, "black"), (False, "white")):
-        parts.draw_dots(
-            axes, dots[dots["filled"] == filled], fill=fill, x="x", y="y", markersize=2.6
-        )
+    for filled, rows in dots.groupby("filled"):  # none without points: its extent is the corner's
+        fill = "black" if filled else "white"
+        parts.draw_dots(axes, rows, fill=fill, x="x", y="y", markersize=2.6)
     axes.set(aspect="equal", xlabel=_axis_label("x_m"), ylabel=_axis_label("y_m"))
-    figure.colorbar(
-        drawn, ax=axes, shrink=0.8, pad=0.02, format="%g", label=_axis_label(result.result_column)
-    )
-    error = f"Largest error: {column.in_shown_unit(known['error'].max()):.2g} {column.shown_unit}."
+    figure.colorbar(drawn, ax=axes, pad=0.02, format="%g", label=_axis_label(result.result_column))
+    error = f"Largest error: {_largest_error_text(known, column)}."
     return figure, f"{error} Colours: interpolated linearly between dots."

@@ -9,10 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.film.positions import find_position_columns
 from squeezefilm.formatting import column_label
 from squeezefilm_workflow.reporting.figures import parts, style
-from squeezefilm_workflow.reporting.notes import percent_text, reynolds_validity_limit, signed_text
+from squeezefilm_workflow.reporting.notes import (
+    bound_percent_text,
+    reynolds_validity_limit,
+    signed_text,
+)
 from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
 
 COLOUR_OF_EFFECT = {
@@ -20,6 +25,7 @@ COLOUR_OF_EFFECT = {
     "slip": style.VERMILLION,
     "thermal": style.ORANGE,
     "edge_loss": style.GREEN,
+    "edge_flow": style.PURPLE,
     "total": style.GREY,
 }
 CONTOUR_MARGIN_FRACTION = 0.04
@@ -38,20 +44,23 @@ def error_budget(results: Results) -> Figure:
     positions = _budgets_of_plan(results, "four_factor")
     largest = positions["hv_um"] / positions["h0_um"]
     along = positions[largest >= largest.max() * (1 - 1e-9)]
-    figure, grid = style.subplots(2, 3, wide=True, height_in=4.3)
-    *panels, last = grid.flat
-    for letter, axes, (name, colour) in zip("abcde", panels, COLOUR_OF_EFFECT.items(), strict=True):
+    figure = style.new_figure(wide=True, height_in=4.3)
+    grid = figure.add_gridspec(2, 4)
+    squares = [grid[row, column] for row, columns in ((0, 4), (1, 2)) for column in range(columns)]
+    *panels, last = [figure.add_subplot(part) for part in (*squares, grid[1, 2:])]
+    maps = zip("abcdef", panels, COLOUR_OF_EFFECT.items(), strict=True)
+    for letter, axes, (name, colour) in maps:
         look: dict[str, Any] = {"colors": colour, "linestyles": "solid"}
         look["levels"] = _contour_levels(screen[f"{name}_percent"])
         title = f"({letter}) {_panel_title(screen['included_effects'], name)} (%)"
         _draw_map(
             axes, screen, f"{name}_percent", title, form=partial(signed_text, digits=3), **look
         )
-        axes.title.set_fontsize(7)
+        axes.title.set_fontsize(6)
     shown = _draw_effects(last, along)
     first = "Differences of solved forces; total: middle of the interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
-    notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
+    notes = f"{first} {parts.interpolation_note(screen)}", f"(g): {place}; {shown}"
     style.add_note(figure, *notes, results.validity_note)
     return figure
 
@@ -121,7 +130,7 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
     axes.set(xlabel=label, ylabel="change of the force (%)")
-    axes.set_title(f"(f) along {'the radius' if on_disc else 'x'}")
+    axes.set_title(f"(g) along {'the radius' if on_disc else 'x'}")
     axes.grid(True)
     name, unit = (r"$\phi_\varphi$", "°") if on_disc else ("$y$", " mm")
     least, largest = ends_of_other
@@ -205,7 +214,7 @@ def levitation(results: Results) -> Figure:
     table = results.table("simulations/screen/levitation.csv", "load_n", "hv_m", "h0_m", "status")
     screen = parts.with_micrometre_columns(results.scenes("screen"))
     data = parts.with_micrometre_columns(table).assign(
-        stiffness_n_per_um=table["stiffness_n_per_m"] / 1e6
+        stiffness_kn_per_m=COLUMNS["stiffness_n_per_m"].in_shown_unit(table["stiffness_n_per_m"])
     )
     figure, (gap, stiffness) = style.subplots(1, 2, wide=True, height_in=2.6)
     gap.axhspan(screen["h0_um"].min(), screen["h0_um"].max(), color="0.92", zorder=0)
@@ -214,7 +223,7 @@ def levitation(results: Results) -> Figure:
         rows = data[data["hv_um"] == amplitude].dropna(subset="h0_um").sort_values("load_n")
         within = rows["modified_reynolds"] <= MAX_VALID_REYNOLDS
         label = f"$h_v$ = {amplitude:.3g} µm"
-        for axes, name in ((gap, "h0_um"), (stiffness, "stiffness_n_per_um")):
+        for axes, name in ((gap, "h0_um"), (stiffness, "stiffness_kn_per_m")):
             axes.plot(rows["load_n"], rows[name], color=colour, label=label)
             for fill, some in ((colour, rows[within]), ("white", rows[~within])):
                 axes.plot(some["load_n"], some[name], "o", color=colour, markerfacecolor=fill, ms=4)
@@ -222,7 +231,7 @@ def levitation(results: Results) -> Figure:
         last_n, most_n = rows["load_n"].max(), data["load_n"].max()
         gap.plot([last_n, 1.2 * most_n], 2 * [amplitude], ":", color=colour, linewidth=1.2)
     gap.set(title="(a) gap", ylabel="gap $h_0$ (µm)")
-    stiffness.set(title="(b) stiffness", ylabel="stiffness (N/µm)")
+    stiffness.set(title="(b) stiffness", ylabel="stiffness (kN/m)")
     for axes in (gap, stiffness):
         axes.set(xscale="log", yscale="log", xlabel="load (N)")
         style.set_plain_log_ticks(axes.xaxis)
@@ -233,7 +242,7 @@ def levitation(results: Results) -> Figure:
     note = f"A gap is given for {len(known)} of {len(table)} pairs of load and amplitude"
     ends = known[["h0_modelling_error_lower_m", "h0_modelling_error_upper_m"]].abs().max(axis=1)
     if (shares := (ends / known["h0_m"]).dropna()).size:
-        note += f"; modelling error up to {percent_text(float(shares.max()))} of a gap"
+        note += f"; modelling error up to {bound_percent_text(float(shares.max()))} of a gap"
     marks = "Dotted: h0 = hv (contact); grey: gaps of the study"
     if len(amplitudes) < (levels := screen["hv_um"].nunique()):
         marks = f"{len(amplitudes)} of the screen's {levels} amplitudes. {marks}"

@@ -13,7 +13,11 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 from squeezefilm.models.data import factors_of_table
 from squeezefilm_workflow.reporting.figures import parts, style
-from squeezefilm_workflow.reporting.notes import percent_text, signed_text, simulation_error_note
+from squeezefilm_workflow.reporting.notes import (
+    bound_percent_text,
+    signed_text,
+    simulation_error_note,
+)
 from squeezefilm_workflow.reporting.results import Results
 
 MIN_LOG_SCALE_RATIO = 10.0
@@ -112,7 +116,7 @@ def amplitudes(results: Results) -> Figure:
     figure.legend(loc="outside upper center", ncols=3, handletextpad=0.2)
     first = table.iloc[0]
     where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
-    errors = f"Largest error of the model: {percent_text(float(first['worst_error']))}."
+    errors = f"Largest error of the model: {bound_percent_text(float(first['worst_error']))}."
     style.add_note(figure, f"By {first['model']} for {where}.", errors, results.validity_note)
     return figure
 
@@ -151,7 +155,7 @@ def profile(results: Results) -> Figure:
     data = results.table("figures/profile.csv", *REQUIRED_PROFILE_COLUMNS)
     noise = results.read_json_file("profile/summary.json").get("largest_force_noise_fraction")
     note = (
-        f"Measurement noise of the scan: up to {percent_text(noise)} of a force (95 %)."
+        f"Measurement noise of the scan: up to {bound_percent_text(noise)} of a force (95 %)."
         if noise
         else ""
     )

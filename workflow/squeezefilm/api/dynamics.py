@@ -1,0 +1,73 @@
+"""Gaps of a film under loads, for the command line and for ``Film.levitate``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from squeezefilm.api.film import FactorValues, Film, parse_factor_values
+from squeezefilm.api.forces import scan_error_function
+from squeezefilm.dynamics.levitation import levitation_rows
+from squeezefilm.errors import InputError
+from squeezefilm.film.scene import Scenes
+from squeezefilm.film.validity import GAP_RANGE_M
+
+DEFAULT_AMPLITUDE_RANGE_M = (1e-9, 1e-4)
+GRAVITY_M_PER_S2 = 9.80665
+DEFAULT_FREQUENCIES_TEXT = "10Hz,30Hz,100Hz,300Hz,1000Hz"
+
+
+def parse_loads_and_mass(
+    load: FactorValues | None, mass: FactorValues | None, *, option: str = "{}"
+) -> tuple[list[float], float | None]:
+    """Return loads in newtons, by default the weight of the mass, and the mass in kilograms.
+
+    Args:
+        option: how a name is written in messages.
+
+    Raises InputError for neither, for several masses, and for what is not positive.
+    """
+    values_of: dict[str, list[float]] = {}
+    for name, values, unit in (("load", load, "N"), ("mass", mass, "kg")):
+        if values is not None:
+            called = option.format(name)
+            values_of[name] = parse_factor_values(values, called=called, unit=unit)
+            if min(values_of[name]) <= 0:
+                raise InputError(f"{called} {values!r} must be positive")
+    masses = values_of.get("mass", [])
+    if len(masses) > 1 or not values_of:
+        raise InputError(f"give {option.format('load')}, or one {option.format('mass')}")
+    loads_n = values_of.get("load") or [GRAVITY_M_PER_S2 * mass_kg for mass_kg in masses]
+    return loads_n, masses[0] if masses else None
+
+
+def levitation_scenes(
+    film: Film, points: Mapping[str, Sequence[float]], *, option: str = "{}"
+) -> Scenes:
+    """Return the scenes of amplitudes and positions, at the largest gap: there is no contact.
+
+    Raises InputError for an amplitude out of range.
+    """
+    least, most = DEFAULT_AMPLITUDE_RANGE_M
+    for hv_m in points["hv_m"]:
+        if not least <= hv_m <= most:
+            raise InputError(
+                f"{option.format('hv')}: {1e6 * hv_m:g} µm must lie within {1e6 * least:g} … "
+                f"{1e6 * most:g} µm"
+            )
+    return film.scenes({**points, "h0_m": (GAP_RANGE_M[1],) * len(points["hv_m"])})
+
+
+def levitation_settings(film: Film) -> dict[str, Any]:
+    """Return the settings by which a film's gaps are sought."""
+    settings = film.solver()
+    return settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
+
+
+def levitations(
+    film: Film, scenes: Scenes, loads_n: Sequence[float], *, mass_kg: float | None
+) -> Iterator[dict[str, Any]]:
+    """Yield a row for each scene and load, with its gap, as soon as it is known."""
+    off_n = scan_error_function(film.scan, device=film.device)
+    how = levitation_settings(film)
+    yield from levitation_rows(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg)
