@@ -243,7 +243,6 @@ def valid_range_text(
     decided = resolve_auto_terms(
         _scenes_at_gaps(scene, gaps_m[limited]),
         model_tolerance=model_tolerance,
-        tolerance=tolerance,
         method=method,
         device=device,
     )
@@ -298,7 +297,8 @@ def _scene_at_load(
 
     def with_terms_decided(gap_m: float) -> Scene:
         at_gap = _scenes_at_gaps(scene, [gap_m])
-        return resolve_auto_terms(at_gap, model_tolerance=model_tolerance, **how)[0]
+        deciding = {"method": how["method"], "device": how["device"]}
+        return resolve_auto_terms(at_gap, model_tolerance=model_tolerance, **deciding)[0]
 
     chosen = with_terms_decided(start.gap_m)
     for _ in range(MAX_TERM_ROUNDS):

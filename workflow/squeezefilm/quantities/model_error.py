@@ -25,6 +25,7 @@ from squeezefilm.film.validity import THICK_FILM_SIGMA
 from squeezefilm.quantities import edge_effects, moving_profile, sheared_gas
 from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS
 from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.periodic.like_films import FilmOnGrids, films_on_grids_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
 from squeezefilm.reynolds.terms.inertia import Inertia
@@ -465,99 +466,69 @@ def _depth_averaging_table(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.nd
     return np.append(0.0, nodes), reynolds, change
 
 
-# Change of the force, relative, below which a term that is ``auto`` is not included. The forces
-# that show it are solved to it, and to this fraction of it where that leaves it open.
-AUTO_TERM_TOLERANCE, DECIDING_TOLERANCE_FRACTION = 1e-3, 0.1
+# Change of the force, relative, below which a term that is ``auto`` is not included. It is looked
+# for on the first grids of a force to so many times that, or to the largest tolerance; and on finer
+# ones, so many times, where these leave it open.
+AUTO_TERM_TOLERANCE = 1e-3
+DECIDING_GRID_FACTOR, MAX_DECIDING_GRID_TOLERANCE, MAX_DECIDING_REFINEMENTS = 10.0, 1e-2, 2
 
 
-def resolve_auto_terms(scenes: Scenes | Sequence[Scene], **how: Any) -> Scenes | Sequence[Scene]:
-    """The scenes of ``resolve_and_solve_auto_terms`` alone."""
-    return resolve_and_solve_auto_terms(scenes, **how)[0]
-
-
-def resolve_and_solve_auto_terms(
+def resolve_auto_terms(
     scenes: Scenes | Sequence[Scene],
     *,
     model_tolerance: float = AUTO_TERM_TOLERANCE,
-    tolerance: float = 1.0,
     method: str = "auto",
     device: Device | None = None,
-) -> tuple[Scenes | Sequence[Scene], dict[int, Solution]]:
+) -> Scenes | Sequence[Scene]:
     """The scenes with each term of AUTO_TERMS ``included`` or ``none`` in the place of ``auto``.
 
     Terms are excluded where the force without them differs by less than the model tolerance,
-    relative, from that with all of them, both solved for; and where the method or the scene's other
-    terms do not allow them, which the scene's budget shows.
-
-    Args:
-        tolerance: relative error to which forces are wanted.
-
-    Returns:
-        the scenes, and the solutions of those that were solved to the tolerance for it, by row.
+    relative, from that with all of them, both solved for on the same grids; and where the method or
+    the scene's other terms do not allow them, which the scene's budget shows.
     """
     if not any(map(_undecided_term_names, scenes.films if isinstance(scenes, Scenes) else scenes)):
-        return scenes, {}
-    scenes = Scenes.of(scenes)
+        return scenes
+    scenes, device = Scenes.of(scenes), device or choose_device()
     closed = replace(scenes, films=tuple(map(_scene_without_undecided_terms, scenes.films)))
-    index = scenes.film_index
     # Whether a term is supported does not depend on the operating point.
-    asked = {
-        int(film): [
+    supported = {
+        int(film): tuple(
             name
             for name in _undecided_term_names(scene)
             if not _unsupported_reason(scene, name, method)
-        ]
-        for film, row in zip(*np.unique(index, return_index=True), strict=True)
+        )
+        for film, row in zip(*np.unique(scenes.film_index, return_index=True), strict=True)
         for scene in [scenes[int(row)]]
     }
-    needed = [tuple(asked[int(film)]) for film in index]
-
-    def solve_with_terms(
-        terms: Mapping[int, tuple[str, ...]], tolerance: float
-    ) -> dict[int, Solution]:
-        """Solutions of some rows with some terms."""
-        films = [_scene_with_included_terms(closed[row], names) for row, names in terms.items()]
-        solutions = solve(films, tolerance=tolerance, method="periodic", device=device)
-        return dict(zip(terms, solutions, strict=True))
-
-    rough, fine = model_tolerance, DECIDING_TOLERANCE_FRACTION * model_tolerance
-    every = {row: names for row, names in enumerate(needed) if names}
-    full = solve_with_terms(every, min(max(tolerance, fine), rough))
-    # Where that has no force, all terms stay, and the scene's own solution says why.
-    kept = {row: names for row, names in every.items() if full[row].status == "ok"}
-    for fewer in ((), ("inertia",), ("thermal",)):
-        undecided = [row for row, names in kept.items() if set(fewer) < set(names)]
-        for accuracy in (rough, fine):
-            vague = {
-                row: kept[row]
-                for row in undecided
-                if full[row].force_error_n > accuracy * abs(full[row].force_n)
-            }
-            closer = solve_with_terms(vague, accuracy)
-            full |= {row: solution for row, solution in closer.items() if solution.status == "ok"}
-            tried = solve_with_terms(dict.fromkeys(undecided, fewer), accuracy)
-            undecided = []
-            for row, solution in tried.items():
-                limit_n = model_tolerance * abs(full[row].force_n)
-                change_n = abs(solution.force_n - full[row].force_n)
-                error_n = solution.force_error_n + full[row].force_error_n
-                if change_n + error_n < limit_n:
-                    needed[row] = fewer
-                    del kept[row]
-                elif change_n - error_n < limit_n:
-                    undecided.append(row)
-    chosen = list(zip(index.tolist(), needed, strict=True))
-    index_of_choice = {
-        choice: choice_index for choice_index, choice in enumerate(dict.fromkeys(chosen))
+    included = [supported[int(film)] for film in scenes.film_index]
+    full = _scenes_with_included_terms(closed, included)
+    how: dict[str, Any] = {
+        "tolerance": min(DECIDING_GRID_FACTOR * model_tolerance, MAX_DECIDING_GRID_TOLERANCE),
+        "device": device,
     }
-    films = tuple(
-        _scene_with_included_terms(closed.films[film], included)
-        for film, included in index_of_choice
-    )
-    decided = replace(
-        scenes, films=films, film_index=np.array([index_of_choice[choice] for choice in chosen])
-    )
-    return decided, {row: full[row] for row in kept if tolerance >= fine}
+    with_all: list[dict[int, FilmOnGrids]] = [{} for _ in range(1 + MAX_DECIDING_REFINEMENTS)]
+    decided = {row for row, names in enumerate(included) if not names}
+    for fewer in ((), ("inertia",), ("thermal",)):
+        tried = _scenes_with_included_terms(closed, [fewer] * len(scenes))
+        undecided = [
+            row
+            for row, names in enumerate(included)
+            if row not in decided and set(fewer) < set(names)
+        ]
+        for refinements, solved in enumerate(with_all):
+            new = [row for row in undecided if row not in solved]
+            solved |= films_on_grids_of(full, full, new, **how, refinements=refinements)
+            # Where the whole equation has no state all terms stay: the scene's solution says why.
+            both = [row for row in undecided if row in solved]
+            without = films_on_grids_of(full, tried, both, **how, refinements=refinements)
+            for row, film in without.items():
+                change, error = solved[row].relative_change_to(film)
+                if abs(change) + error < model_tolerance:
+                    included[row] = fewer
+                    decided.add(row)
+                if not abs(abs(change) - model_tolerance) <= error:
+                    undecided.remove(row)
+    return _scenes_with_included_terms(closed, included)
 
 
 def unsupported_auto_term_texts(scene: Scene, *, method: str = "auto") -> list[str]:
@@ -581,8 +552,14 @@ def _scene_without_undecided_terms(scene: SceneOrFilmT) -> SceneOrFilmT:
     return scene.with_gas(**dict.fromkeys(_undecided_term_names(scene), "none"))
 
 
-def _scene_with_included_terms(scene: SceneOrFilmT, names: Sequence[str]) -> SceneOrFilmT:
-    return scene.with_gas(**dict.fromkeys(names, "included")) if names else scene
+def _scenes_with_included_terms(scenes: Scenes, included: Sequence[tuple[str, ...]]) -> Scenes:
+    """The scenes with the terms that each is to include."""
+    choices = list(zip(scenes.film_index.tolist(), included, strict=True))
+    index = {choice: number for number, choice in enumerate(dict.fromkeys(choices))}
+    films = tuple(
+        scenes.films[film].with_gas(**dict.fromkeys(names, "included")) for film, names in index
+    )
+    return replace(scenes, films=films, film_index=np.array([index[each] for each in choices]))
 
 
 def _unsupported_reason(scene: Scene, name: str, method: str) -> str:
