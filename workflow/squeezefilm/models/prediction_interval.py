@@ -93,10 +93,8 @@ class PredictionInterval(BaseModel):
             return f"Not validated: of {sample} too few have a force for a 95 % interval."
         return (
             f"Of points drawn uniformly from the declared space ({self.space_name}), 95 % have "
-            f"a force "
-            f"within the stated 95 % error, as measured on "
-            f"{self.calibration_points} of {sample}; "
-            "single points can lie outside."
+            "a force within the stated 95 % error, as measured on "
+            f"{self.calibration_points} of {sample}; single points can lie outside."
         )
 
     @property

@@ -102,10 +102,10 @@ def check_study(config: Study) -> Study:
             from squeezefilm.film.measured.read import read_scan
             from squeezefilm.film.measured.smooth import check_points
 
-            settings = config.smoothing_arguments
-            how = {key: settings.pop(key) for key in ("frequency_hz", "rows", "origin_m")}
-            scan = read_scan(path, **how)
-            check_points(scan, **settings)
+            arguments = config.smoothing_arguments
+            del arguments["scale"]  # that of the smooth profile
+            how = {key: arguments.pop(key) for key in ("frequency_hz", "rows", "origin_m")}
+            check_points(read_scan(path, **how), **arguments)
         profile = config.profile_for_planning()
     if config.measurements:
         measured_force_table(config, profile=profile)

@@ -463,9 +463,7 @@ def extrapolated_maximum_note(
     ] * bool(less_known or largest_m > MAX_OVERSHOOT_RATIO * measured_m)
 
 
-def check_points(
-    scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str, scale: str = "surface"
-) -> None:
+def check_points(scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str) -> None:
     """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
     reach = surface.relative_distance(scan.x_m, scan.y_m)
     problems = [
