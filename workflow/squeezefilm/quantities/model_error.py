@@ -130,23 +130,13 @@ class ErrorBudget:
         return sum(abs(effect.percent) + effect.error_percent for effect in known)
 
 
-def error_budgets(
-    scenes: Sequence[Scene],
-    *,
-    device: Device | None = None,
-    tolerances: Sequence[float] = FORCE_TOLERANCES,
-) -> list[ErrorBudget]:
-    """The budget of each scene's force; what of their gases is ``auto`` must be decided.
-
-    Args:
-        tolerances: relative errors of the forces, falling; each is used only where the differences
-            of forces need it.
-    """
+def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
+    """The budget of each scene's force; what of their gases is ``auto`` must be decided."""
     device = device or choose_device()
     budgets: list[ErrorBudget] = []
     for first in range(0, len(scenes), SCENES_PER_BUDGET_BATCH):
         films = [EffectVariants(scene) for scene in scenes[first : first + SCENES_PER_BUDGET_BATCH]]
-        budgets += _error_budgets_of_variants(films, tolerances, device)
+        budgets += _error_budgets_of_variants(films, device)
     return budgets
 
 
@@ -235,7 +225,7 @@ class EffectVariants:
 
 
 def _error_budgets_of_variants(
-    films: Sequence[EffectVariants], tolerances: Sequence[float], device: Device
+    films: Sequence[EffectVariants], device: Device
 ) -> list[ErrorBudget]:
     moving = [film for film in films if film.has_force]
     alone = {film.scene: None for film in moving}
@@ -245,7 +235,7 @@ def _error_budgets_of_variants(
     with_states = alone | together | with_still
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
-    for tolerance in tolerances:
+    for tolerance in FORCE_TOLERANCES:
         vague = [film for film in moving if not _effects_resolved(film, solutions)]
         waiting = {scene: None for film in vague for scene in film.scenes}
         for distinct, keep_states in ((with_states, True), (others, False)):
