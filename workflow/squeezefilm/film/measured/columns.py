@@ -439,20 +439,16 @@ def _name_with_unit(name: str, unit: str, cell: str) -> str:
     Raises:
         InputError: where the two are known and differ.
     """
-    own = scan_column_of_cell(name)
-    of_motion = scan_column_of_cell(f"amplitude [{cell}]")
-    size = of_motion.size if of_motion else None
+    own, of_motion = scan_column_of_cell(name), scan_column_of_cell(f"amplitude [{cell}]")
+    told = of_motion.size * of_motion.amplitude_factor if of_motion and of_motion.size else None
+    is_known = told is not None or unit in ALL_UNITS
     if own and own.size and own.unit:
-        told = (size or 0) * (of_motion.amplitude_factor if of_motion else 1)
-        if (told or unit in ALL_UNITS) and (
-            told != own.size * own.amplitude_factor and unit != own.unit
-        ):
+        if is_known and unit != own.unit and told != own.size * own.amplitude_factor:
             raise InputError(
                 f"{name!r} has another unit in the line of units: {cell!r}; leave one of them out"
             )
         return name
-    is_unit = unit in ALL_UNITS or (unit.strip("-") and (own or size))
-    return f"{name} [{cell}]" if is_unit else name
+    return f"{name} [{cell}]" if is_known or (unit.strip("-") and own) else name
 
 
 def _is_number(cell: str) -> bool:
