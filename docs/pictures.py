@@ -28,7 +28,7 @@ TABLES = {
     "profile": "squeezefilm profile --config config/my-actuator.yaml --table {table}",
     "curve": "squeezefilm simulate --h0 5:10:6um --hv 1um,1.5um,2um"
     " --config config/my-actuator.yaml --output {table}",
-    "amplitude": "squeezefilm amplitude-for results/my-actuator/models/four_factor/limit_2.json"
+    "amplitude": "squeezefilm amplitude-for results/my-actuator/models/four_factor/limit_1.json"
     " --force 0.15N --h0 5:10:11um --x 0mm,2mm --output {table}",
     "levitation": "squeezefilm levitate --load 0.4:1:7N --hv 2um,3um,4um"
     " --config config/levitation.yaml --output {table}",

@@ -31,6 +31,7 @@ PLACEHOLDERS = {
     "results/paper --output": "results/quick --output",
     "STUDIES=mine": "STUDIES=my-actuator",
     "snakemake --configfile config/mine.yaml": "snakemake --configfile config/my-actuator.yaml",
+    "make resume CONFIG=config/mine.yaml": "make resume CONFIG=config/my-actuator.yaml",
 }
 """What stands for a file of the reader's own, the paper's study in small, another study's."""
 

@@ -54,6 +54,16 @@ def test_assumptions_are_told_by_difference_with_their_verdict_first(monkeypatch
     assert "| amplitude (µm) | explains | 2.2 | 2.15 to 2.25 | 0.9 to 1 | – |" in page
 
 
+@pytest.mark.parametrize(
+    ("error", "order"), [(0.0204, ["short", "long", "worse"]), (0.03, ["long", "short", "worse"])]
+)
+def test_a_model_with_fewer_parameters_is_recommended_within_five_percent(error, order):
+    """`limit_2` was for 1.02 times less error, with a parameter of 114 in −29 … 258."""
+    rows = [("worse", 5, 0.04), ("long", 2, 0.02), ("short", 1, error)]
+    table = pd.DataFrame(rows, columns=["model", "parameters", "validation_error"])
+    assert list(models.ranked_models(table)["model"]) == order
+
+
 def test_models_have_their_verdict_first_and_columns_in_words():
     row = {"parameters": 3, "fit_points": 9, "fit_error": 0.01, "cv_error": float("nan")}
     row |= {"validation_points": 50, "validation_failed": 0, "validation_worst_relative": 0.3}

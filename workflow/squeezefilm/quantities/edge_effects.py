@@ -11,7 +11,7 @@ Gas that turns around the edge meets a resistance there, as if the film were 0.6
 (Veijola, Pursula and Råback, J. Micromech. Microeng. 15, 2005: 1.3 for both sides), and the
 inertia of gas outside:
 
-    P = 1 + σ (h0/l) [0.64 ū_n/H + (0.097 + ln(R/h0)/(6π)) Re ∂(H ū_n)/∂T],
+    P = 1 + σ (h0/l0) [0.64 ū_n/H + (0.097 + ln(R/h0)/(6π)) Re ∂(H ū_n)/∂T],
 
 n outward. Both factors are those of a small oscillation (verification/edge_flow.py). At the
 distance R the pressure is ambient: where the wave of sound that leaves the edge is no longer near,

@@ -142,8 +142,9 @@ def recommend(options: argparse.Namespace) -> None:
 
       squeezefilm recommend results/plate --output TABLE.csv
 
-    Recommended is the model with the least global error, `validation_error`, on the half of the
-    validation sample that ranks; its page, models/*.html, has its largest error there.
+    Recommended is the model with the fewest parameters of those whose global error,
+    `validation_error`, is within 5 % of the least on the half of the validation sample that ranks;
+    its page, models/*.html, has its largest error there.
     `worst_error` is the largest at any of the `simulations`, fitted or not: those of the validation
     samples and of the plan `four_factor`, which has the positions.
 

@@ -54,6 +54,8 @@ SHOWN_COLUMN_TITLES = {
     "validation_worst_n": "largest error (N)",
 }
 """Columns of a comparison as its page has them, in words."""
+MAX_EQUAL_ERROR_RATIO = 1.05
+"""Of global errors: up to this times the least they are the same, for a sample has few points."""
 COUNT_COLUMNS = ("parameters", "fit_points", "validation_points", "validation_failed")
 RECOMMENDATION_PLANS = ("four_factor", *(f"validation_{space}" for space in FACTOR_SPACE_NAMES))
 """The plans that the recommended model is judged by; the first has the positions."""
@@ -81,9 +83,18 @@ def models_page(results: Results, *, space: str) -> Page:
 
 
 def ranked_models(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the models that are validated, the recommended one first."""
+    """Return the models that are validated, the recommended one first, the others by their error.
+
+    Recommended is that with the fewest parameters of those with about the least error, which a
+    sample does not tell apart.
+    """
     known = table[table["validation_error"].notna()]
-    return known.sort_values(["validation_error", "parameters"], kind="stable")
+    known = known.sort_values(["validation_error", "parameters"], kind="stable")
+    equal = known[
+        known["validation_error"] <= MAX_EQUAL_ERROR_RATIO * known["validation_error"].min()
+    ]
+    best = equal.sort_values("parameters", kind="stable").head(1)
+    return pd.concat([best, known.drop(best.index)])
 
 
 def shown_models_table(judged: pd.DataFrame) -> pd.DataFrame:
@@ -91,7 +102,7 @@ def shown_models_table(judged: pd.DataFrame) -> pd.DataFrame:
 
     Errors are beside the recommended one's.
     """
-    times = judged["validation_error"] / judged["validation_error"].min()
+    times = judged["validation_error"] / judged["validation_error"].head(1).min()
     others = [f"{ratio:.3g} times the error" for ratio in times[1:]]
     regions = zip(judged["coverage_min"], judged["coverage_min_region"], strict=True)
     judged = judged.assign(
@@ -208,8 +219,8 @@ def _model_row_and_errors(
 def recommendation_table(results: Results) -> pd.DataFrame:
     """The best model of each space, and the amplitude that it needs at each position.
 
-    Recommended is the model with the least global error on the half of the validation sample that
-    ranks, that with fewer parameters where two are the same. ``worst_error`` is the largest
+    Recommended is the first of ``ranked_models`` on the half of the validation sample that ranks.
+    ``worst_error`` is the largest
     relative error at any simulation of RECOMMENDATION_PLANS, fitted or not. The amplitude gives the
     study's target force at its gap (section ``extrapolation``). One empty row where no model can be
     validated.
