@@ -12,9 +12,11 @@ from numpy.linalg import solve as solve_linear
 from random_scenes import moved_by_leaving_out, random_scenes
 from stored_strip import strip_force
 
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import Formula, Profile
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
+from squeezefilm.film.validity import validity_text
 from squeezefilm.quantities.model_error import (
     AUTO_TERM_TOLERANCE,
     error_budgets,
@@ -336,3 +338,18 @@ def test_auto_excludes_a_term_that_changes_the_force_by_little_less_than_the_tol
     assert (scene.gas.inertia, scene.gas.thermal) == ("included", "none")
     without, both = solve([scene, with_gas(scene, thermal="included")], tolerance=1e-5)
     assert 0.9 < abs(without.force_n / both.force_n - 1) / AUTO_TERM_TOLERANCE < 1
+
+
+def test_auto_keeps_a_term_whose_change_passes_through_zero_beyond_its_limit() -> None:
+    """A disc of 20 mm at 20 kHz: at 36 and 47 µm outside the limit Re 10, at 46 µm within it."""
+    film_of_disc = Film(
+        Gas(inertia="auto", thermal="auto"),
+        Actuator(frequency_hz=20e3, surface_radius_m=15e-3, profile=PISTON),
+        Pad(20e-3, 20e-3, shape="ellipse"),
+    )
+    scenes = [film_of_disc.scene(gap_m, 5e-6) for gap_m in (36e-6, 46e-6, 47e-6)]
+    decided = resolve_auto_terms(scenes)
+    assert [scene.gas.thermal for scene in decided] == ["included"] * 3
+    assert all("thermal effects included" in validity_text(scene) for scene in decided)
+    without, both = solve([with_gas(decided[1], thermal="none"), decided[1]], tolerance=1e-5)
+    assert abs(without.force_n / both.force_n - 1) < AUTO_TERM_TOLERANCE

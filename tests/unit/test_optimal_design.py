@@ -13,6 +13,7 @@ from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.designs.optimal import (
+    ApproximateDesign,
     exact_design_by_exchange,
     maximin_design,
     optimal_approximate_design,
@@ -85,6 +86,14 @@ def test_a_certificate_holds_between_the_candidates(degree, factors):
         largest = sensitivity(gradients(design.points), dense, weights=design.weights).max()
         assert design.efficiency_bound <= 1 / largest + 1e-9, levels
         assert design.efficiency_bound > 1 - 1e-5
+
+
+def test_a_weight_that_the_iteration_leaves_is_no_point_of_a_design():
+    """The paper's maximin design of two factors had a fourth point with a weight of 8e-9."""
+    design = ApproximateDesign(np.array([0.5, 1e-8, 0.5 - 1e-8]), np.zeros(1), 1.0)
+    support = design.on(np.array([[0.0], [0.5], [1.0]]))
+    assert support.points.tolist() == [[0.0], [1.0]]
+    assert support.weights.sum() == pytest.approx(1, abs=1e-15)
 
 
 def test_the_maximin_design_is_best_for_the_worst_vector():

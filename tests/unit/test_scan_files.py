@@ -428,6 +428,14 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         *(X, Y, 9 * abs(X), Y, abs(U), PHASE),
         comma=True,
     ).encode(),
+    "frequencies behind names": text(
+        "x_mm,y_mm,Amplitude 42.9 kHz [um],Phase 42.9 kHz [deg],Amplitude 43.27 kHz [um],"
+        "Phase 43.27 kHz [deg]",
+        *(X, Y, X, Y, abs(U), PHASE),
+    ).encode(),
+    "a unit in a letter's name, and below it": text(
+        "x [mm],y [mm],v [mm/s],Phase [deg]\n(mm),(mm),(mm/sec),(deg)", X, Y, abs(SPEED), PHASE
+    ).encode(),
     "a unit in a name, and below it": text(
         "x [mm],y [mm],Amplitude [um],Phase\nmm,mm,um,deg", X, Y, abs(U), PHASE
     ).encode(),
@@ -572,6 +580,14 @@ WRONG = {
     "a matrix": (
         "\n".join(["\t".join(["0.5"] * 20)] * 20),
         "or, of a matrix of amplitudes, lines above it: '# Width: 30 mm', '# Height: 20 mm', ",
+    ),
+    "volts": (
+        with_header("x_mm,y_mm,43.27 kHz [V],phase_deg"),
+        "no unit is known of '43.27 kHz [V]'; write it into the header, as in 43.27 kHz [um]",
+    ),
+    "frequencies far away": (
+        with_header("x_mm,y_mm,41 kHz [um],45 kHz [um]"),
+        "the columns are at 45000 Hz, and the actuator vibrates at 43270 Hz (actuator.frequency)",
     ),
     "two units": (
         with_header("x_mm,y_mm,Amplitude [um],phase_deg\nmm,mm,um p-p,deg"),

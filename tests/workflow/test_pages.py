@@ -182,7 +182,9 @@ RECOMMENDED = """\
 space,model,parameters,validation_points,validation_error,simulations,worst_error,h0_m,x_m,y_m,force_n,hv_m,\
 hv_error_95_m,error_95_percent,note
 two_factor,limit_1,1,32,0.009,48,0.03,5e-6,0,0,0.3,1.334e-6,3.3e-8,6.3,
+four_factor,bump,3,30,0.16,100,0.25,5e-6,1e-3,0,0.3,1.4e-6,3e-8,6.0,
 four_factor,bump,3,30,0.16,100,0.25,5e-6,5e-3,0,0.3,,,,no amplitude gives it
+four_factor,bump,3,30,0.16,100,0.25,5e-6,2e-3,0,0.3,1.5e-6,3e-8,6.0,
 """
 
 
@@ -201,9 +203,15 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     assert "simulations). No model compared is within the study's ±15 %" in text
     assert "The recommended model bump gives the amplitude for" in text.partition("## In short")[0]
     assert text.index("limit_1, global error") < text.index("**Fit.**")  # the paper's formula last
-    assert "| limit_1 | 0 | 0 | 1.334 | 6.3 % |" in text
-    assert "| bump | 5 | 0 | none | no amplitude gives it |" in text
-    assert "Positions are those of the plan; on a wave include a crest and a node line." in text
+    # The target first, at its least and largest amplitude: a table had 26 positions of the plan.
+    target, _, rest = text.partition("## In short")[2].partition("Positions are those of the plan")
+    assert "Amplitude for 0.3 N (`extrapolation.force`) at h0 = 5 µm (`extrapolation.h0`" in target
+    assert "| at the centre | limit_1 | 0 | 0 | 1.334 | 6.3 % |" in target
+    assert "| anywhere | bump | 1 | 0 | 1.400 | 6.0 % |" in target
+    assert "| anywhere | bump | 5 | 0 | none | no amplitude gives it |" in target
+    assert "1.500" not in target
+    assert "all of them in `models/recommended.csv`; on a wave include a crest" in rest
+    assert rest.index("limit_1, global error") < rest.index("F(h0 = ")
     bounds = "−1.2…+0.5 % (h0 = 5 µm) to −2…+11 % (h0 = 6 µm)"
     effects = "the neglected effects that the error budget solves for"
     assert f"{bounds} of the force, by {effects}" in text

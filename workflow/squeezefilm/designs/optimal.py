@@ -46,8 +46,8 @@ Indices = NDArray[np.int64]
 GradientFunction = Callable[[Array], Array]
 """From points, shape (n, k), to derivatives, shape (n, p) or (K, n, p)."""
 
-MIN_SUPPORT_WEIGHT = 1e-9
-"""Weight below which a point is not in the support."""
+MIN_SUPPORT_WEIGHT = 1e-6
+"""Weight below which a point is no experiment: what the iteration leaves."""
 SINGULAR_DIAGONAL_TOLERANCE = 1e-12
 """Diagonal of a triangular factor with columns of length one, below which it is singular."""
 MAX_ACTIVE_SET_ROUNDS, MAX_INTERIOR_POINT_STEPS = 100, 100

@@ -64,9 +64,9 @@ MAX_RESIDUAL_ERROR_RATIO = 3.0
 class PointPool:
     """All points the loop knows of: their factors, shape (n,), and coordinates, shape (n, c).
 
-    candidates may be simulated and fitted, verification are simulated and not fitted, typical are
-    a fair sample of the space of which nothing is simulated; each is a set of indices. Distances
-    are taken between coordinates, scaled so that the space is about one wide.
+    candidates may be simulated and fitted, verification are simulated and not fitted,
+    fair_sample_indices are a fair sample of the space of which nothing is simulated; each is a set
+    of indices. Distances are taken between coordinates, scaled so that the space is about one wide.
     """
 
     factors: Factors
@@ -82,9 +82,9 @@ class RefinementRound:
 
     Errors are relative to the root mean square force over the space. global_lower and global_upper
     are the limits of global_error, lack_of_fit is s (NaN where the design does not settle the
-    parameters), worst_at the point of the pool where the worst
-    error is estimated, parameter_fraction the share of its square that comes from the parameters,
-    floor the root mean square residual of the best fit to all points simulated so far.
+    parameters), worst_error_index the point of the pool where the worst error is estimated,
+    parameter_fraction the share of its square that comes from the parameters, floor the root mean
+    square residual of the best fit to all points simulated so far.
     """
 
     number: int
@@ -106,9 +106,9 @@ class RefinementRound:
 class Outcome:
     """End of the loop: reached, model, simulation or budget, and the reason.
 
-    hindsight is the best fit to all points, verification included; simulated lists them, in the
-    order in which they were, with their forces in newtons. scale_n is the root mean
-    square force over the space.
+    theta_of_all_points is the best fit to all points, verification included; simulated_indices
+    lists them in the order in which they were simulated, force_n are their forces. rms_force_n is
+    the root mean square force over the space.
     """
 
     verdict: str
@@ -361,8 +361,8 @@ class SequentialDesign:
                 except InputError as error:
                     verdict, reason = "budget", f"no more points can be designed: {error}"
             if verdict:
-                force_n, scale_n = self.force_n[simulated], self.scale(hindsight)
-                return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, scale_n)
+                force_n, rms_force_n = self.force_n[simulated], self.scale(hindsight)
+                return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, rms_force_n)
             self.simulate_points(added)
             design = np.concatenate([design, added])
             start, surprise = theta, self.residuals(theta, added)

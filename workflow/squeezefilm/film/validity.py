@@ -138,7 +138,7 @@ def exceeded_limit_texts(
 
     Quantity, value, bound, consequence.
     """
-    return tuple(_exceeded_limits_by_scene(Scenes.of([scene]), symbols)[0])
+    return tuple(exceeded_limits_by_scene(Scenes.of([scene]), symbols)[0])
 
 
 def validity_text(scene: Scene) -> str:
@@ -149,14 +149,14 @@ def validity_text(scene: Scene) -> str:
 def validity_texts(scenes: Scenes) -> np.ndarray:
     """Return the same for each of some scenes."""
     return np.array(
-        ["; ".join(exceeded) or OK for exceeded in _exceeded_limits_by_scene(scenes)], dtype=object
+        ["; ".join(exceeded) or OK for exceeded in exceeded_limits_by_scene(scenes)], dtype=object
     )
 
 
-def _exceeded_limits_by_scene(
+def exceeded_limits_by_scene(
     scenes: Scenes, symbols: Iterable[str] = SYMBOL_FUNCTIONS
 ) -> list[list[str]]:
-    """Return what each scene exceeds, in the list's order."""
+    """Return the limits of some quantities that each scene exceeds, in words."""
     texts: list[list[str]] = [[] for _ in range(len(scenes))]
     limits = [limit for limit in VALIDITY_LIMITS if limit.symbol in symbols]
     values = {symbol: SYMBOL_FUNCTIONS[symbol](scenes) for symbol in symbols}

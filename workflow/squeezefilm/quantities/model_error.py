@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
-from squeezefilm.film.validity import THICK_FILM_SIGMA
+from squeezefilm.film.validity import THICK_FILM_SIGMA, exceeded_limits_by_scene
 from squeezefilm.quantities import edge_effects, moving_profile, sheared_gas
 from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS
 from squeezefilm.reynolds.device import Device, choose_device
@@ -130,23 +130,13 @@ class ErrorBudget:
         return sum(abs(effect.percent) + effect.error_percent for effect in known)
 
 
-def error_budgets(
-    scenes: Sequence[Scene],
-    *,
-    device: Device | None = None,
-    tolerances: Sequence[float] = FORCE_TOLERANCES,
-) -> list[ErrorBudget]:
-    """The budget of each scene's force; what of their gases is ``auto`` must be decided.
-
-    Args:
-        tolerances: relative errors of the forces, falling; each is used only where the differences
-            of forces need it.
-    """
+def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
+    """The budget of each scene's force; what of their gases is ``auto`` must be decided."""
     device = device or choose_device()
     budgets: list[ErrorBudget] = []
     for first in range(0, len(scenes), SCENES_PER_BUDGET_BATCH):
         films = [EffectVariants(scene) for scene in scenes[first : first + SCENES_PER_BUDGET_BATCH]]
-        budgets += _error_budgets_of_variants(films, tolerances, device)
+        budgets += _error_budgets_of_variants(films, device)
     return budgets
 
 
@@ -235,7 +225,7 @@ class EffectVariants:
 
 
 def _error_budgets_of_variants(
-    films: Sequence[EffectVariants], tolerances: Sequence[float], device: Device
+    films: Sequence[EffectVariants], device: Device
 ) -> list[ErrorBudget]:
     moving = [film for film in films if film.has_force]
     alone = {film.scene: None for film in moving}
@@ -245,7 +235,7 @@ def _error_budgets_of_variants(
     with_states = alone | together | with_still
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
-    for tolerance in tolerances:
+    for tolerance in FORCE_TOLERANCES:
         vague = [film for film in moving if not _effects_resolved(film, solutions)]
         waiting = {scene: None for film in vague for scene in film.scenes}
         for distinct, keep_states in ((with_states, True), (others, False)):
@@ -507,7 +497,14 @@ def resolve_auto_terms(
         "device": device,
     }
     with_all: list[dict[int, FilmOnGrids]] = [{} for _ in range(1 + MAX_DECIDING_REFINEMENTS)]
-    decided = {row for row, names in enumerate(included) if not names}
+    # Beyond a limit of the terms a change that passes through zero is no reason to go without them.
+    decided = {
+        row
+        for row, (names, exceeded) in enumerate(
+            zip(included, exceeded_limits_by_scene(full, symbols=["Re"]), strict=True)
+        )
+        if exceeded or not names
+    }
     for fewer in ((), ("inertia",), ("thermal",)):
         tried = _scenes_with_included_terms(closed, [fewer] * len(scenes))
         undecided = [

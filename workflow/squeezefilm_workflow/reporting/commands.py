@@ -154,7 +154,11 @@ def recommend(options: argparse.Namespace) -> None:
     `squeezefilm amplitude-for`. --output has all positions, and errors as fractions. The exit
     status is 1 where no amplitude below contact gives the target force.
     """
-    from squeezefilm_workflow.reporting.models import missing_amplitude_text, recommendation_table
+    from squeezefilm_workflow.reporting.models import (
+        missing_amplitude_text,
+        recommendation_table,
+        rows_of_extreme_amplitudes,
+    )
 
     results = Results.of_folder(options.results, options.config)
     table = recommendation_table(results)
@@ -165,8 +169,7 @@ def recommend(options: argparse.Namespace) -> None:
         # On the screen the least and the largest amplitude of each space, and no wide columns.
         for name in ("validation_error", "worst_error"):
             table[f"{name}_percent"] = 100 * table[name]
-        spaces = [rows.sort_values("hv_m") for _, rows in table.groupby("space", sort=False)]
-        table = pd.concat([rows.iloc[:: max(1, len(rows) - 1)] for rows in spaces])
+        table = rows_of_extreme_amplitudes(table)
         table = table[[name for name in RECOMMENDATION_COLUMNS_SHOWN if name in table]]
     write_or_print_rows(table, options)
     for best in table.drop_duplicates("space").to_dict("records"):

@@ -235,6 +235,15 @@ def missing_amplitude_text(table: pd.DataFrame) -> str:
     )
 
 
+def rows_of_extreme_amplitudes(table: pd.DataFrame) -> pd.DataFrame:
+    """Return of each space the position with the least and that with the largest amplitude.
+
+    The last is one without an amplitude where there is any.
+    """
+    spaces = [rows.sort_values("hv_m") for _, rows in table.groupby("space", sort=False)]
+    return pd.concat([rows.iloc[:: max(1, len(rows) - 1)] for rows in spaces])
+
+
 def _recommendation_rows(
     results: Results, space: str, forces: dict[str, pd.DataFrame]
 ) -> Iterator[dict[str, Any]]:

@@ -14,6 +14,7 @@ from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import column_label
 from squeezefilm.provenance import provenance_record
 from squeezefilm.units import error_text, value_and_error_texts
+from squeezefilm_workflow.reporting.models import rows_of_extreme_amplitudes
 from squeezefilm_workflow.reporting.notes import (
     CLAIM_COLUMNS_SHOWN,
     claim_verdict_counts,
@@ -136,7 +137,8 @@ def headline_values(results: Results) -> dict[str, Any]:
 
 
 def _amplitude_rows(table: pd.DataFrame) -> pd.DataFrame:
-    """The amplitude for the target force at each position, and the error of that force."""
+    """The least and the largest amplitude for the target force, and the error of that force."""
+    table = rows_of_extreme_amplitudes(table)
     amplitudes = zip(1e6 * table["hv_m"], 1e6 * table["hv_error_95_m"], strict=True)
     shown = [
         value_and_error_texts(*value_and_error)[0] if np.isfinite(value_and_error[0]) else "none"
@@ -145,6 +147,7 @@ def _amplitude_rows(table: pd.DataFrame) -> pd.DataFrame:
     error = table["error_95_percent"].map(lambda percentage: f"{error_text(percentage)} %")
     return pd.DataFrame(
         {
+            "pad": table["space"].map({"two_factor": "at the centre", "four_factor": "anywhere"}),
             "model": table["model"],
             **{
                 name: values.map("{:.4g}".format) for name, values in _position_texts(table).items()

@@ -10,8 +10,9 @@ import numpy as np
 from squeezefilm.errors import InputError
 
 ARRAY_SUFFIXES = (".mat", ".npy", ".npz")
+MIN_MATRIX_COLUMNS = 8
 MATRIX_LINE_PATTERN = re.compile(r"[#%!\s]*(width|height|value units)\s*:\s*(.*?)\s*$", re.I)
-LENGTH_PATTERN = re.compile(r"([\d.]+(?:e[-+]?\d+)?)\s*(\S+)", re.I)
+LENGTH_PATTERN = re.compile(r"([\d.,]+(?:e[-+]?\d+)?)\s*(\S+)", re.I)
 ARRAYS_FORMAT_TEXT = (
     "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
 )
@@ -42,11 +43,16 @@ def matrix_as_table_lines(lines: Sequence[str]) -> tuple[list[str], list[str]]:
     The lines themselves, and no note, of another file.
     """
     told = {match[1].lower(): match[2] for match in map(MATRIX_LINE_PATTERN.match, lines) if match}
-    rows = [re.split(r"[\s;]+", line.strip()) for line in lines if re.match(r"\s*[-+.\dn]", line)]
+    body = [line.strip() for line in lines if re.match(r"\s*[^\s#%!]", line)]
+    rows = [re.split(r"[\s;]+", line) for line in body if re.match(r"[-+.\d]|nan", line, re.I)]
+    counts = {*map(len, rows)}
     sizes = [LENGTH_PATTERN.fullmatch(told.get(side, "")) for side in ("width", "height")]
-    if None in sizes or "value units" not in told or len({*map(len, rows)}) != 1:
+    is_matrix = len(rows) == len(body) and len(counts) == 1 and min(counts) >= MIN_MATRIX_COLUMNS
+    if None in sizes or "value units" not in told or not is_matrix:
         return list(lines), []
-    (width, x_unit), (height, y_unit) = ((float(size[1]), size[2]) for size in sizes if size)
+    (width, x_unit), (height, y_unit) = (
+        (float(size[1].replace(",", ".")), size[2]) for size in sizes if size
+    )
     columns = len(rows[0])
     table = [f"x [{x_unit}]\ty [{y_unit}]\tamplitude [{told['value units']}]"]
     table += [

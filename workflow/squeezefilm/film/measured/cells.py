@@ -39,6 +39,11 @@ def is_missing(cell: str) -> bool:
     return bool(MISSING_PATTERN.fullmatch(cell.strip()))
 
 
+def has_complex_pairs(cells: pd.Series) -> bool:
+    """Tell whether cells are complex numbers in the form ``(1.2,-0.3)``."""
+    return bool(cells.str.fullmatch(PAIR_PATTERN).any())
+
+
 def parse_numbers(cells: pd.Series) -> pd.Series:
     """Numbers of cells, with decimal points or commas, also ``1.2D-06``; NaN of others."""
     points = (
@@ -70,10 +75,9 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         cells = cells.mask(
             with_unit, cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
         )
-    if name == "amplitude":
-        pairs = cells.str.fullmatch(PAIR_PATTERN).astype(bool)
-        cells = cells.mask(pairs, cells.str.replace(PAIR_PATTERN, r"\1+\2i", regex=True))
-        cells = cells.str.replace("+-", "-", regex=False).str.replace("++", "+", regex=False)
+    if name == "amplitude" and has_complex_pairs(cells):
+        cells = cells.str.replace(PAIR_PATTERN, r"\1+\2i", regex=True)
+        cells = cells.str.replace(r"\+(?=[-+])", "", regex=True)
     cells = _without_thousands_separators(cells)
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():

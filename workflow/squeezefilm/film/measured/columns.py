@@ -77,8 +77,10 @@ OVER_DRIVE_PATTERN = re.compile(
     r"(?:(?<=[sg²2])\s*/\s*v|\s*/\s*(?:n|lbf))(?=[\s\])]*\Z)", re.IGNORECASE
 )
 """The voltage or force that a response is over; m/V alone may be a decoder's scale."""
-LEADING_FREQUENCY_PATTERN = re.compile(r"\A\W*(\d+(?:[.,]\d*)?)\s*([kM]?Hz)\b", re.IGNORECASE)
-"""The same before a name: ``43270 Hz Magnitude``."""
+FREQUENCY_IN_NAME_PATTERN = re.compile(
+    r"(?:\A\W*|(?<=\w)[\s_]+(?:at\s+|bei\s+)?)(\d+(?:[.,]\d*)?)\s*([kM]?Hz)\b", re.IGNORECASE
+)
+"""The same in a name: ``43270 Hz Magnitude``, ``Amplitude 43.27 kHz [um]``."""
 FREQUENCY_NAME_PATTERN = re.compile(r"\W*\d+(?:[.,]\d*)?\s*[kM]?Hz\b\s*(|[\[(].*)", re.IGNORECASE)
 """The same as the whole name, but for a unit in brackets."""
 DECIBELS_PATTERN = re.compile(
@@ -149,7 +151,7 @@ class ScanColumn:
     def frequency_hz(self) -> float | None:
         """The frequency that the name says, if any: ``w (um) @ freq=43270``."""
         if match := (
-            AT_FREQUENCY_PATTERN.search(self.name) or LEADING_FREQUENCY_PATTERN.search(self.name)
+            AT_FREQUENCY_PATTERN.search(self.name) or FREQUENCY_IN_NAME_PATTERN.search(self.name)
         ):
             return float(match[1].replace(",", ".")) * FREQUENCY_UNITS_HZ.get(match[2].lower(), 1.0)
         return None
@@ -181,7 +183,7 @@ def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
     if FREQUENCY_NAME_PATTERN.fullmatch(name):
         return None
-    cell = OVER_DRIVE_PATTERN.sub("", LEADING_FREQUENCY_PATTERN.sub("", name))
+    cell = OVER_DRIVE_PATTERN.sub("", FREQUENCY_IN_NAME_PATTERN.sub("", name))
     cell = RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", cell)
     for words, unit in possible_words_and_units(cell, ALL_UNITS):
         words, ratio = _split_amplitude_factor(words)
@@ -384,7 +386,7 @@ def _suggested_names(columns: Collection[ScanColumn], before: str = "") -> str:
     stems = [
         re.sub(r"\W*\bdb.*|\s*[\[(][^\[(]*[\])]\s*$", "", each.name, flags=re.IGNORECASE)
         if each.unit
-        else each.name
+        else re.sub(r"\s*\[[^\[]*\]$", "", each.name)
         for each in columns
     ]
     return ", ".join(
@@ -405,8 +407,8 @@ def _columns_at_frequency(
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
     if far and several:
         raise InputError(f"the columns' frequencies: {far}")
-    measured = any(FREQUENCY_NAME_PATTERN.fullmatch(each.name) for each in named)
-    most = MAX_FREQUENCY_OFFSET_FRACTION if measured else MAX_MODE_DISTANCE_FRACTION
+    of_model = any(AT_FREQUENCY_PATTERN.search(each.name) for each in named)
+    most = MAX_MODE_DISTANCE_FRACTION if of_model else MAX_FREQUENCY_OFFSET_FRACTION
     if abs(line_hz / frequency_hz - 1) > most:
         raise InputError(
             f"the columns are at {line_hz:.7g} Hz, and the actuator vibrates at "
@@ -416,8 +418,8 @@ def _columns_at_frequency(
     return kept, [f"columns at {line_hz:.7g} Hz"]
 
 
-def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[str]:
-    """A header with the units of the line below it; itself if that line is not of units.
+def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[str] | None:
+    """A header with the units of the line below it; None if that line is not of units.
 
     It is one if some cells are known units, and none a number: one that is not known is named in a
     message if its column is needed.
@@ -426,7 +428,7 @@ def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[s
         re.sub(r"[\[\]()]", "", normalised_unit(OVER_DRIVE_PATTERN.sub("", cell))) for cell in cells
     ]
     if not {*units} & ALL_UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
-        return list(header)
+        return None
     return [
         _name_with_unit(name, unit, cell.strip(" []()"))
         for name, unit, cell in zip_longest(header, units, cells, fillvalue="")
@@ -439,20 +441,17 @@ def _name_with_unit(name: str, unit: str, cell: str) -> str:
     Raises:
         InputError: where the two are known and differ.
     """
-    own = scan_column_of_cell(name)
+    own = scan_column_of_cell(name) or _motion_column_of_letter(name, 0)
     of_motion = scan_column_of_cell(f"amplitude [{cell}]")
-    size = of_motion.size if of_motion else None
+    told = of_motion.size * of_motion.amplitude_factor if of_motion and of_motion.size else None
+    is_known = told is not None or unit in ALL_UNITS
     if own and own.size and own.unit:
-        told = (size or 0) * (of_motion.amplitude_factor if of_motion else 1)
-        if (told or unit in ALL_UNITS) and (
-            told != own.size * own.amplitude_factor and unit != own.unit
-        ):
+        if is_known and unit != own.unit and told != own.size * own.amplitude_factor:
             raise InputError(
                 f"{name!r} has another unit in the line of units: {cell!r}; leave one of them out"
             )
         return name
-    is_unit = unit in ALL_UNITS or (unit.strip("-") and (own or size))
-    return f"{name} [{cell}]" if is_unit else name
+    return f"{name} [{cell}]" if is_known or (unit.strip("-") and own) else name
 
 
 def _is_number(cell: str) -> bool:

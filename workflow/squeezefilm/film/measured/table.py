@@ -42,6 +42,7 @@ from squeezefilm.film.measured.arrays import (
 )
 from squeezefilm.film.measured.cells import (
     distinct_values_text,
+    has_complex_pairs,
     is_missing,
     normalise_cells,
     parse_numbers,
@@ -139,7 +140,8 @@ REMEDY_OF_TEXT_PATTERN = {
 # largest: beside a node line points have less, but in the coarsest of scans.
 MIN_COMPONENT_RATIO = 0.4
 USABLE_QUANTITIES = {*UNITS_OF_SCAN_QUANTITY, "normal"}
-MIN_MATRIX_COLUMNS = 16
+# A table seldom has so many.
+MIN_COLUMNS_TAKEN_FOR_MATRIX = 16
 MATRIX_LINES_TEXT = "'# Width: 30 mm', '# Height: 20 mm', '# Value units: um'"
 USUAL_QUANTITIES_OF_COUNT = {2: ("r", "amplitude"), 3: ("x", "y", "amplitude")}
 """The likely quantities of columns without names, by how many there are, for messages."""
@@ -259,6 +261,8 @@ def read_point_table(
     amplitudes = cells[[column.column_index for column in motion]]
     lacking = cells.index[amplitudes.map(is_missing).any(axis=1)]
     cells = cells.drop(lacking)
+    pairs = [column for column in motion if has_complex_pairs(cells[column.column_index])]
+    notes += [f"cells (a,b) of {column.name!r} are read as a + b i" for column in pairs]
     table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
     if _has_component_sign(columns, table):
         table["sign"] = 1.0
@@ -601,7 +605,7 @@ def _header_with_units(
     first = next((row for row in range(index + 1, len(lines)) if lines[row].strip()), len(lines))
     below = "".join(lines[first : first + 1])
     cells = _split_cells(COMMENT_PATTERN.sub("", below, count=1), separator) if below else []
-    if (named := header_with_unit_line(header, cells)) != header:
+    if named := header_with_unit_line(header, cells):
         return named, first + 1
     if len(cells) == len(header):
         header = [
@@ -612,7 +616,8 @@ def _header_with_units(
         ]
     for line in lines[:index]:
         if line.startswith(LABVIEW_UNIT_LINE_PREFIX):
-            header = header_with_unit_line(header, ["", *_split_cells(line, separator)[1:]])
+            cells = ["", *_split_cells(line, separator)[1:]]
+            header = header_with_unit_line(header, cells) or header
     units = {
         normalised_unit(match[1])
         for line in lines[:index]
@@ -725,7 +730,7 @@ def _find_header(
         return index, cells, between
     first = lines[plain[0]].strip()[:60]
     problem = f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}"
-    if len(re.split(r"[\s;,]+", lines[plain[-1]].strip())) >= MIN_MATRIX_COLUMNS:
+    if len(re.split(r"[\s;,]+", lines[plain[-1]].strip())) >= MIN_COLUMNS_TAKEN_FOR_MATRIX:
         problem += f"; or, of a matrix of amplitudes, lines above it: {MATRIX_LINES_TEXT}"
     points = _points_of_rows_without_names([lines[row] for row in plain])
     raise InputError("; and ".join([problem, *_wants_of_points(points, remedies)]))

@@ -1,8 +1,8 @@
 """Films that differ by terms alone, on the same grids: there they share most of their errors.
 
-So the difference of their forces needs far coarser grids than the forces do: near contact (σ 2.3e4,
-ε 0.93) 16 × 16 × 24 points hold what inertia changes to 1 %, of a force that takes 160 × 160 × 140
-to be good to a twentieth of this change.
+The difference of their forces needs far coarser grids than the forces do: near contact (σ 2.3e4,
+ε 0.93) 16 × 16 × 24 points give what inertia changes to 1 %, where the force takes 160 × 160 × 140
+for an error of a twentieth of this change.
 """
 
 from __future__ import annotations
