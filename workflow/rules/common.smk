@@ -139,14 +139,14 @@ def checked_study():
     kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())
-    from squeezefilm.config.loading import unit_notes
+    from squeezefilm.config.loading import target_force_notes, unit_notes
     from squeezefilm.models.force_model import check_models_of_study
     from squeezefilm.studies.plans import chunk_counts
     from squeezefilm.studies.study import check_study
 
     check_study(CONFIG)
     check_models_of_study(CONFIG)
-    for note in unit_notes(CONFIG):
+    for note in (*target_force_notes(CONFIG), *unit_notes(CONFIG)):
         print(f"note: {note}", file=sys.stderr)
     if STYLE:
         from squeezefilm_workflow.reporting.figures.style import read_style

@@ -335,15 +335,15 @@ def differences_from_paper(config: Study) -> Iterator[str]:
 def study_notes(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
-    ``unit_notes``, a study of the paper with another film, a standing wave without a model that
-    repeats along it.
+    ``unit_notes``, ``target_force_notes``, a study of the paper with another film, a standing wave
+    without a model that repeats along it.
     """
     if config.paper and (changes := list(differences_from_paper(config))):
         yield (
             f"paper: true, but {', '.join(changes)}: its pages name a variant of the paper; leave "
             "paper out where the paper's claims are not to be compared"
         )
-    yield from _target_force_notes(config)
+    yield from target_force_notes(config)
     if isinstance(config.actuator.profile, StandingWave) and not config.models:
         yield (
             "models: the force repeats along a standing wave, and formulas in x**2 + y**2 do not; "
@@ -363,7 +363,7 @@ def unit_notes(config: FilmSections) -> Iterator[str]:
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 
-def _target_force_notes(config: Study) -> Iterator[str]:
+def target_force_notes(config: Study) -> Iterator[str]:
     """Yield a note where no amplitude of the screen gives the target force.
 
     As σ → ∞ a film with a parallel gap gives at most the force of a piston,

@@ -308,7 +308,8 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
     if failed:
         return (
             f"{failed} of {len(table)} quantities failed. Delete the first file that failed, from "
-            "which others may be made, and run again; where the change is intended, "
+            "which others may be made, and run again (`snakemake FILE --configfile STUDY.yaml` "
+            "makes it alone); where the change is intended, "
             f"`make reference STUDIES={study}` makes a new reference."
         )
     return f"All {len(table)} quantities passed."
