@@ -238,11 +238,11 @@ class ModeSum(Profile):
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
+        coefficients = np.array(self.coefficients)
         if x.size * len(self.orders) > MAX_CACHED_MODE_VALUES:
-            modes = self.surface.modes_at(self.orders, x, y)
-        else:
-            modes = _cached_modes(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
-        return modes @ np.array(self.coefficients)
+            return self.surface.sum_of_modes_at(self.orders, coefficients, x, y)
+        modes = _cached_modes(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
+        return modes @ coefficients
 
 
 @lru_cache(maxsize=16)

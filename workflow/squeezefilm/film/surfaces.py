@@ -131,6 +131,12 @@ class Disc:
             values[..., index] = radial[(n - abs(m)) // 2, abs(m)] * angular
         return values
 
+    def sum_of_modes_at(
+        self, orders: ModeOrders, coefficients: np.ndarray, x_m: np.ndarray, y_m: np.ndarray
+    ) -> np.ndarray:
+        """Return ``modes_at`` times their coefficients."""
+        return self.modes_at(orders, x_m, y_m) @ coefficients
+
 
 @dataclass(frozen=True)
 class Rectangle:
@@ -239,15 +245,30 @@ class Rectangle:
         P are Legendre's; ξ = sin(βx)/sin β and η alike, x over half the side and β EDGE_PHASE_RAD.
         """
         along_x, along_y = np.array(orders).T
+        polynomials_x, polynomials_y = self._polynomials_at(orders, x_m, y_m)
+        values: np.ndarray = polynomials_x[..., along_x] * polynomials_y[..., along_y]
+        return values.reshape(*np.shape(x_m), len(orders))
+
+    def sum_of_modes_at(
+        self, orders: ModeOrders, coefficients: np.ndarray, x_m: np.ndarray, y_m: np.ndarray
+    ) -> np.ndarray:
+        """Return ``modes_at`` times their coefficients, by sums along x of each degree along y."""
+        along_x, along_y = np.array(orders).T
+        matrix = np.zeros((along_x.max() + 1, along_y.max() + 1), dtype=coefficients.dtype)
+        matrix[along_x, along_y] = coefficients
+        polynomials_x, polynomials_y = self._polynomials_at(orders, x_m, y_m)
+        return np.asarray(np.einsum("...j,...j->...", polynomials_x @ matrix, polynomials_y))
+
+    def _polynomials_at(
+        self, orders: ModeOrders, x_m: np.ndarray, y_m: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Values of all P_i(ξ) and P_j(η) up to the modes' degrees, (*x_m.shape, degrees)."""
+        most_x, most_y = np.max(orders, axis=0).tolist()
         x, y = (
             np.sin(EDGE_PHASE_RAD * at_m / half_m) / sin(EDGE_PHASE_RAD)
             for at_m, half_m in zip((x_m, y_m), self.half_extents_m, strict=True)
         )
-        values: np.ndarray = (
-            legvander(x, int(along_x.max()))[..., along_x]
-            * legvander(y, int(along_y.max()))[..., along_y]
-        )
-        return values.reshape(*np.shape(x_m), len(orders))
+        return legvander(x, most_x), legvander(y, most_y)
 
 
 def _rounded_up_mm(length_m: float) -> str:

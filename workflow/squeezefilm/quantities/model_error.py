@@ -26,6 +26,7 @@ from squeezefilm.quantities import edge_effects, moving_profile, sheared_gas
 from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.like_films import FilmOnGrids, films_on_grids_of
+from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
 from squeezefilm.reynolds.terms.inertia import Inertia
@@ -492,6 +493,7 @@ def resolve_auto_terms(
     }
     included = [supported[int(film)] for film in scenes.film_index]
     full = _scenes_with_included_terms(closed, included)
+    plan = solve_plan_of(full)
     how: dict[str, Any] = {
         "tolerance": min(DECIDING_GRID_FACTOR * model_tolerance, MAX_DECIDING_GRID_TOLERANCE),
         "device": device,
@@ -514,10 +516,10 @@ def resolve_auto_terms(
         ]
         for refinements, solved in enumerate(with_all):
             new = [row for row in undecided if row not in solved]
-            solved |= films_on_grids_of(full, full, new, **how, refinements=refinements)
+            solved |= films_on_grids_of(plan, full, new, **how, refinements=refinements)
             # Where the whole equation has no state all terms stay: the scene's solution says why.
             both = [row for row in undecided if row in solved]
-            without = films_on_grids_of(full, tried, both, **how, refinements=refinements)
+            without = films_on_grids_of(plan, tried, both, **how, refinements=refinements)
             for row, film in without.items():
                 change, error = solved[row].relative_change_to(film)
                 if abs(change) + error < model_tolerance:

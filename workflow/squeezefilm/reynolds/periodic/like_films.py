@@ -35,8 +35,9 @@ from squeezefilm.reynolds.periodic.resolution import (
     first_grids,
     unresolved_profile_reasons,
 )
-from squeezefilm.reynolds.plan import solve_plan_of
+from squeezefilm.reynolds.plan import SolvePlan
 from squeezefilm.reynolds.self_test import check_device
+from squeezefilm.reynolds.terms import distinct_term_sets
 
 # Relative error that the iteration may leave, over that which the grids are for, and the same of
 # each grid over that of the one before.
@@ -75,7 +76,7 @@ class FilmOnGrids:
 
 
 def films_on_grids_of(
-    like: Scenes,
+    plan: SolvePlan,
     scenes: Scenes,
     rows: Sequence[int],
     *,
@@ -86,7 +87,7 @@ def films_on_grids_of(
     """Solve some scenes on two grids of their like; by row, where both grids have a state.
 
     Args:
-        like: scenes of other terms, whose first grids to a tolerance these are.
+        plan: that of scenes of other terms, whose first grids to a tolerance these are.
         refinements: by how many grids they are finer.
     """
     if not device.is_cpu:
@@ -100,7 +101,7 @@ def films_on_grids_of(
     def solve_rows(rows: np.ndarray) -> list[FilmOnGrids | None]:
         found: dict[int, FilmOnGrids] = {}
         queued: dict[object, list[Batch]] = {}
-        for batch in _batches_on_grids_of(like, scenes, rows, **how):
+        for batch in _batches_on_grids_of(plan, scenes, rows, **how):
             queued.setdefault((batch.grids, batch.terms, batch.aspect), []).append(batch)
         try:
             while queued:
@@ -119,7 +120,7 @@ def films_on_grids_of(
 
 
 def _batches_on_grids_of(
-    like: Scenes,
+    plan: SolvePlan,
     scenes: Scenes,
     rows: np.ndarray,
     *,
@@ -128,21 +129,21 @@ def _batches_on_grids_of(
     device: Device,
 ) -> Iterator[Batch]:
     """Batches of the scenes whose like have two grids that resolve the profile."""
-    plan, plan_of_like = solve_plan_of(scenes), solve_plan_of(like)
-    unresolved = unresolved_profile_reasons(plan_of_like, tolerance=tolerance)
+    term_sets, term_set_index = distinct_term_sets(scenes)
+    unresolved = unresolved_profile_reasons(plan, tolerance=tolerance)
     rows = rows[[row not in unresolved for row in rows.tolist()]]
     if not rows.size:
         return
     capacity = max_unknowns_on_device(device)
     left = ITERATION_TOLERANCE_FRACTION * REFINED_TOLERANCE_FRACTION**refinements * tolerance
-    for alike, _, grids in first_grids(plan_of_like, rows, tolerance=tolerance, capacity=capacity):
+    for alike, _, grids in first_grids(plan, rows, tolerance=tolerance, capacity=capacity):
         for _ in range(refinements):
             finer = finer_grid(grids[-1], capacity=capacity)
             grids = (grids[-1], *([finer] if finer else []))
         if len(grids) > 1:
             tolerances = [START_GRID_TOLERANCE] * (len(grids) - 2) + [left] * 2
-            for part in equal_row_groups(plan.term_set_index[alike]):
-                terms = plan.term_sets[plan.term_set_index[alike[part[0]]]]
+            for part in equal_row_groups(term_set_index[alike]):
+                terms = term_sets[term_set_index[alike[part[0]]]]
                 yield Batch(scenes, alike[part], terms, grids, tolerances)
 
 
