@@ -15,8 +15,9 @@ from .conftest import QUICK, copy_checkout, planned, snakemake
 
 @pytest.fixture(scope="module")
 def fresh(repository, tmp_path_factory):
-    """A checkout without results."""
-    return copy_checkout(repository, tmp_path_factory.mktemp("fresh") / "checkout")
+    """A checkout without results, with the references of the repository's studies."""
+    folder = tmp_path_factory.mktemp("fresh") / "checkout"
+    return copy_checkout(repository, folder, "tests/reference")
 
 
 def targets(folder: Path) -> list[str]:
