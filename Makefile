@@ -37,7 +37,7 @@ endif
 help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
 	@echo "make paper-inertia  the same with a gas that has inertia, and the two side by side"
-	@echo "make quick    the same rules on a small study, in a minute or two"
+	@echo "make quick    the same rules on a small study, in two to four minutes"
 	@echo "make check    everything anew where it is not, and every number beside its reference"
 	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
 	@echo "make benchmarks  where run time goes on this machine; nothing else should run"
@@ -174,7 +174,7 @@ clean:
 	rm -rf $(VENV) .mypy_cache .pytest_cache .ruff_cache benchmarks logs build docs/_build docs/reference/_generated
 	@! test -d .snakemake || find .snakemake -mindepth 1 -maxdepth 1 ! -name metadata -exec rm -rf {} +
 	@cache="$${XDG_CACHE_HOME:-$$HOME/.cache}"; echo "outside this folder, yours to remove:" \
-		"compiled kernels in $${POCL_CACHE_DIR:-$$cache/pocl} and $$cache/pyopencl"
+		"compiled kernels in $${POCL_CACHE_DIR:-$$cache/pocl}, $$cache/pyopencl and $$cache/pytools"
 
 # The packages as pinned, checked by their hashes; the library itself in place.
 $(VENV)/.run: requirements.lock pyproject.toml | $(BIN)/python

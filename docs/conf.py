@@ -59,7 +59,6 @@ def claims() -> list[str]:
         agrees = ours[each["claim_id"], "verdict"] == "agrees"
         verdict = verdict_text(agrees, within=each["within"], because=each["because"])
         value = ours.get((each["claim_id"], "ours"), "below 1 s")  # run times are not compared
-        verdict = verdict.replace("docs/explanation/paper.md", "this page")
         cells = each["claim"], verdict, each["paper"], value, each["unit"]
         rows[each["kind"]].append(f"| {' | '.join(cells)} |")
         agreeing[each["kind"]] += agrees

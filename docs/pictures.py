@@ -8,10 +8,11 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 DOCS = Path(__file__).resolve().parent
-COLOURS, WIDEST_PX = 256, 800
+COLOURS, AREA_COLOURS, WIDEST_PX = 256, 4, 800
 FIGURES = {
     **{f"pictures/fig{number:02}.png": f"fig{number:02}" for number in range(5, 17)},
     "overview.png": "overview",
@@ -47,11 +48,21 @@ def run(command: str) -> None:
 def with_palette(picture: Path) -> None:
     """Write a picture again, as wide as a page and with few colours: a fifth of the size.
 
-    An octree keeps the colours of thin lines, which the median cut merges.
+    An octree keeps the colours of thin lines, which the median cut merges; it merges light areas,
+    so that the commonest colours have a place of their own.
     """
     image = Image.open(picture).convert("RGB")
     image.thumbnail((WIDEST_PX, image.height))
-    few = image.quantize(COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    commonest = sorted(image.getcolors(image.width * image.height), reverse=True)[:AREA_COLOURS]
+    octree = image.quantize(
+        COLOURS - AREA_COLOURS, Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE
+    )
+    pixels, places, palette = np.asarray(image), np.array(octree), octree.getpalette()
+    for _, colour in commonest:
+        places[(pixels == colour).all(axis=2)] = len(palette) // 3
+        palette += colour
+    few = Image.fromarray(places)
+    few.putpalette(palette)
     few.save(picture, optimize=True)
 
 

@@ -84,10 +84,18 @@ MUTATIONS = {
         (f"{NUMERICS}/test_terms.py::test_fast_adiabatic_compression_is_stiffer_by_the_exponent",),
     ),
     "edge pressure": Mutation(
-        "quantities/edge_loss.py",
-        "return -scale * films.sigma",
-        "return +scale * films.sigma",
+        "quantities/edge_effects.py",
+        "around - loss * reynolds",
+        "around + loss * reynolds",
         (f"{NUMERICS}/test_budget.py::test_the_edge_loss_is_that_of_a_strip_at_every_order",),
+    ),
+    "edge inertance": Mutation(
+        "quantities/edge_effects.py",
+        "around += inertance",
+        "around -= inertance",
+        (
+            f"{NUMERICS}/test_all_effects.py::test_flow_around_the_edge_is_that_of_an_independent_program",
+        ),
     ),
     "outline": Mutation(
         "reynolds/terms/outline_over_period.cl",

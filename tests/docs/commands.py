@@ -48,6 +48,7 @@ ELSEWHERE = {
     "make quick": "make check",
     "make paper-inertia": "make check",
     "make report CONFIG=config/quick.yaml": "make report",
+    "squeezefilm check results/quick --reference tests/reference/quick": "make test-check",
     "pip install .": "make test-install",
     "pip install '.[fields]'": "make test-install",
     "pip install snakemake-executor-plugin-slurm": "make test-cluster",

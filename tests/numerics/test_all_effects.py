@@ -11,7 +11,7 @@ from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import BesselMode
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm.quantities.edge_loss import edge_loss_changes
+from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS, edge_effect_changes
 from squeezefilm.quantities.model_error import (
     AUTO_TERM_TOLERANCE,
     error_budgets,
@@ -68,7 +68,9 @@ def test_a_small_edge_loss_is_that_of_first_order(shape):
     both = [plain, replace(plain, edge_loss_coefficient=1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=24, instants=17)
     (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    changes, _ = edge_loss_changes([scene], [solution], device=choose_device())
+    changes, _ = edge_effect_changes(
+        [scene], [solution], laws=SEPARATE_LAWS, device=choose_device()
+    )
     assert changes[0, 0] == pytest.approx(having_n / without_n - 1, rel=0.02)
 
 
@@ -77,12 +79,35 @@ def test_the_edge_loss_of_a_film_that_newton_follows_in_shorter_steps_alone():
     terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
     scene = random_scene(31).with_gas(**terms)
     (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    ((change, _), (error, _)) = edge_loss_changes([scene], [solution], device=choose_device())[
-        ..., 0
-    ]
+    changes, errors = edge_effect_changes(
+        [scene], [solution], laws=SEPARATE_LAWS, device=choose_device()
+    )
     both = [Effects(slip="first-order", edge_loss_coefficient=each) for each in (0.0, 1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=64, instants=21)
-    assert change == pytest.approx(having_n / without_n - 1, abs=error)
+    assert changes[0, 0] == pytest.approx(having_n / without_n - 1, abs=errors[0, 0])
+
+
+@pytest.mark.parametrize("inertia", ["none", "included"])
+@pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
+def test_flow_around_the_edge_is_that_of_an_independent_program(shape, inertia):
+    """Alone, and together with the edge loss."""
+    scene = heavier(film(epsilon=0.5, sigma=200.0, profile=PISTON, inertia=inertia), 2.0)
+    scene = replace(scene, pad=replace(scene.pad, shape=shape))
+    plain = Effects(inertia=inertia == "included", thermal=False, slip="none")
+    around = replace(plain, edge_flow=True)
+    films = [plain, around, replace(around, edge_loss_coefficient=1.0)]
+    without_n, around_n, both_n = forces_on_grid(scene, films, points=28, instants=21)
+    (solution,) = solve([scene], tolerance=1e-4, method="periodic", keep_states=True)
+    how = {"device": choose_device()}
+    (*_, alone), _ = edge_effect_changes([scene], [solution], laws=SEPARATE_LAWS, **how)[..., 0]
+    (together, _, *parts), errors = edge_effect_changes(
+        [scene], [solution], laws=JOINT_LAWS, **how
+    )[..., 0]
+    error = errors.sum()
+    assert alone == pytest.approx(around_n / without_n - 1, abs=error)
+    assert sum(parts) == pytest.approx(alone, abs=error)
+    assert together == pytest.approx(both_n / without_n - 1, abs=error)
+    assert alone > 5 * error
 
 
 def test_auto_neglects_no_effect_whose_parts_cancel():

@@ -94,8 +94,10 @@ def test_plate_slider_rarefied_gas_and_holes_are_as_the_docs_show_them(repositor
     scattered, *flows = [row.exact_deviation for row in rows[5:]]
     assert max(flows) < 5e-4 < scattered < 4e-3
     holes = table(*comparison.compare_radial_films())
-    holes = [row for row in holes if row.quantity != comparison.RADIAL_PRESSURE_LABEL.format(0)]
-    assert all(20 * row.exact_deviation < row.viscous_deviation < 0.6 for row in holes)
+    away = [row for row in holes if row.quantity == comparison.RADIAL_PRESSURE_LABEL.format(2)]
+    assert all(20 * row.exact_deviation < row.viscous_deviation < 0.6 for row in away)
+    at_edge = [row.exact_deviation for row in holes if row not in away]
+    assert 3.5e-3 < min(at_edge) < max(at_edge) < 3.4e-2  # flow around the edge
     shown = rows + holes
     cells = docs_rows(repository, "published")
     for row, (*names, _, published, exact_value, _, off, _, viscous) in zip(

@@ -13,7 +13,11 @@ from squeezefilm.film.profiles import BesselMode, Formula, Profile
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.quantities.derivatives import with_derivatives
-from squeezefilm.quantities.edge_loss import edge_loss_changes, edge_pressure_arrays
+from squeezefilm.quantities.edge_effects import (
+    JOINT_LAWS,
+    edge_effect_changes,
+    edge_pressure_arrays,
+)
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.outputs import with_outputs
 from squeezefilm.quantities.pressure import gauge_pressure_and_change
@@ -156,7 +160,7 @@ def test_quantities_are_those_of_the_whole_disc():
         for name, value in one.value.items():
             off = abs(value - other.value[name])
             assert off <= one.error[name] + other.error[name] or np.isnan(value), name
-    changes, errors = edge_loss_changes(both, states, device=how["device"])
+    changes, errors = edge_effect_changes(both, states, laws=JOINT_LAWS, device=how["device"])
     assert (abs(changes[:, 0] - changes[:, 1]) <= errors.sum(axis=1)).all()
     across = np.linspace(0, 1, 9)
     fields = [

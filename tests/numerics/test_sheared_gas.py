@@ -12,7 +12,7 @@ from sheared_strip import Film, Strip, forces, resolved
 
 from squeezefilm.api.film import Film as FilmOfUser
 from squeezefilm.film.pad import GapShape
-from squeezefilm.quantities.edge_loss import ram_pressure_changes
+from squeezefilm.quantities.edge_effects import ram_pressure_changes
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.quantities.model_error import error_budgets
 from squeezefilm.quantities.outputs import with_outputs

@@ -1,10 +1,12 @@
 """A study is read as it is written, or refused with a message that names what is wrong."""
 
+import re
 import shutil
 from pathlib import Path
 
 import pytest
 
+from squeezefilm.api.film import Film
 from squeezefilm.cli import main as cli
 from squeezefilm.config.loading import load_config, study_notes
 from squeezefilm.config.study import Study
@@ -160,6 +162,25 @@ def test_line_ends_and_byte_order_mark_do_not_matter(paper, tmp_path):
     plain = tmp_path / "plain.yaml"
     plain.write_text(paper, encoding="utf-8")
     assert dict(load(path)) == dict(load(plain))
+
+
+@pytest.mark.parametrize(("force", "noted"), [("2 N", False), ("30 N", True)])
+def test_a_target_force_beyond_the_screen_is_noted(force, noted, tmp_path):
+    """It took a whole run to end with empty amplitudes."""
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "study: mine\ngas: {inertia: none, thermal: none}\nsolver: {tolerance: 1e-3}\n"
+        "actuator: {frequency: 43.27 kHz, surface_radius: 10 mm, profile: {kind: piston}}\n"
+        "pad: {length_x: 10 mm, length_y: 10 mm}\n"
+        "screen: {h0: {start: 5 µm, stop: 10 µm}, hv: {start: 0.2 µm, stop: 2 µm}}\n"
+        f"extrapolation: {{force: {force}}}\n",
+        encoding="utf-8",
+    )
+    notes = [note for note in study_notes(load_config(path)) if "beyond the screen" in note]
+    assert len(notes) == noted
+    for note in notes:
+        (limit_n,) = map(float, re.findall(r"about ([\d.]+) N", note))
+        assert 0.9 * limit_n < float(Film.read(path).force("5 um", "2 um").force_n) < limit_n
 
 
 @pytest.mark.parametrize(

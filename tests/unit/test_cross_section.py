@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from squeezefilm.api.film import Film
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm_workflow.reporting.cross_section import cross_section
 
@@ -28,3 +29,10 @@ def test_the_pressure_rises_while_the_surface_is_up_and_on_the_whole(scene):
     assert (mean.iloc[1:-1] > 0).all()
     # Even about the middle, as the profile is.
     np.testing.assert_allclose(mean, mean[::-1], atol=1e-4)
+
+
+def test_there_is_a_pressure_of_a_film_whose_inertia_leaves_no_smooth_field(repository):
+    """At the corners flow with inertia converges slowly, to more than a picture shows."""
+    film = Film.read(repository / "config" / "levitation.yaml")
+    scene = film.scene(h0=25e-6, hv=9e-6).with_gas(inertia="included", thermal="included")
+    assert cross_section(scene, device=DEVICE)["gauge_pressure_kpa"].notna().all()

@@ -12,7 +12,7 @@ from squeezefilm.config.loading import load_config
 from squeezefilm_workflow.paper.figures import four_factor, patterns
 from squeezefilm_workflow.reporting.figures import film, maps, models, parts, style
 
-EFFECTS = ("inertia", "slip", "thermal", "edge_loss")
+EFFECTS = ("inertia", "slip", "thermal", "edge_loss", "edge_flow")
 SCREEN = pd.DataFrame(product([5e-6, 7e-6, 9e-6], [0.5e-6, 1e-6, 1.5e-6, 2e-6]))
 SCREEN = SCREEN.set_axis(["h0_m", "hv_m"], axis="columns")
 
@@ -123,8 +123,8 @@ def test_positions_that_share_no_coordinate_are_not_joined():
     positions = pd.concat(table.assign(x_m=1e-3 * k, y_m=2e-3 + 1e-3 * k**2) for k in range(5))
     with style.figure_style():
         figure = film.error_budget(results(screen=table, four_factor=positions))
-    lines = [line for line in figure.axes[5].lines if len(line.get_xdata()) == 5]
-    assert len(lines) == 5
+    lines = [line for line in figure.axes[6].lines if len(line.get_xdata()) == 5]
+    assert len(lines) == 6
     assert all(line.get_linestyle() == "None" for line in lines)
 
 

@@ -9,6 +9,7 @@ from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import (
     best_fit_of_bounds,
     fit_model,
+    fits_of_searches,
     open_range_notes,
     parameter_ranges,
     run_differential_evolution,
@@ -54,7 +55,8 @@ def test_the_simplex_arrives_where_a_method_with_derivatives_does(case, bound, r
 
 def test_differential_evolution_finds_the_same(screen):
     genetic = fit_model(known.TWO_FACTOR, *screen)
-    other = fit_model(known.TWO_FACTOR, *screen, bound=100, search=run_differential_evolution)
+    way = (100, run_differential_evolution, 1)
+    (other,) = fits_of_searches([way], known.TWO_FACTOR, *screen)
     assert other.sum_of_squares == pytest.approx(genetic.sum_of_squares, rel=1e-9)
     assert other.method != genetic.method
 

@@ -12,6 +12,7 @@ import pytest
 import yaml
 
 from squeezefilm.cli import main as cli
+from squeezefilm.cli.setup import cache_folder_states
 from squeezefilm.config.loading import load_config, study_notes
 from squeezefilm.studies.study import check_study
 
@@ -105,7 +106,9 @@ def test_the_forces_of_the_walk_through_are_those_of_its_commands(
         assert f"{found:.{len(force) - 2}f}" == force, command
 
 
-def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path):
+def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path, monkeypatch):
+    for name, folder in (("POCL_CACHE_DIR", "/kernels"), ("XDG_CACHE_HOME", "/caches")):
+        monkeypatch.setenv(name, folder)
     shutil.copy(Path(__file__).parents[2] / "Makefile", tmp_path)
     for study in ("paper", "mine"):
         (tmp_path / "results" / study).mkdir(parents=True)
@@ -115,7 +118,6 @@ def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path):
     done = subprocess.run(
         ["make", "clean"],
         cwd=tmp_path,
-        env={**os.environ, "POCL_CACHE_DIR": "/kernels", "XDG_CACHE_HOME": "/caches"},
         capture_output=True,
         text=True,
         check=True,
@@ -123,8 +125,10 @@ def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path):
     assert [path.name for path in (tmp_path / "results").iterdir()] == ["mine"]
     assert "kept: results/mine" in done.stdout
     assert not [folder for folder in built if (tmp_path / folder).exists()]
-    outside = "outside this folder, yours to remove: compiled kernels in /kernels and /caches/"
-    assert outside in done.stdout
+    outside = done.stdout.partition("outside this folder, yours to remove: ")[2]
+    caches = [state.partition(":")[0] for state in cache_folder_states().values()]
+    assert caches == ["/kernels", "/caches/pyopencl", "/caches/pytools"]
+    assert [cache for cache in caches if cache not in outside] == []
 
 
 def test_results_kept_by_clean_are_made_anew_after_an_edit(tmp_path):

@@ -6,11 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from changed_sections import changed
 from numpy.polynomial.polynomial import polyvander
-from reference_forces import SCREEN_THETA
+from reference_forces import FOUR_FACTOR_THETA, SCREEN_THETA
 
 from squeezefilm.cli.main import main
+from squeezefilm.config.loading import load_config
 from squeezefilm.designs.optimal import (
+    ApproximateDesign,
     exact_design_by_exchange,
     maximin_design,
     optimal_approximate_design,
@@ -18,10 +21,13 @@ from squeezefilm.designs.optimal import (
     sensitivity,
 )
 from squeezefilm.designs.paper_design import Criterion, search_design
-from squeezefilm.designs.space import Space
+from squeezefilm.designs.space import Space, pair_distances
 from squeezefilm.errors import InputError
-from squeezefilm.models.data import Factors
+from squeezefilm.models.data import Factors, factors_of_table
+from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.force_model import get_model
+from squeezefilm.studies.space import space_of_study, table_of_points
+from squeezefilm.studies.tasks.optimal_designs import FittedSpace, designs_by_name
 from squeezefilm.tables import FORCE_COLUMNS
 
 
@@ -80,6 +86,14 @@ def test_a_certificate_holds_between_the_candidates(degree, factors):
         largest = sensitivity(gradients(design.points), dense, weights=design.weights).max()
         assert design.efficiency_bound <= 1 / largest + 1e-9, levels
         assert design.efficiency_bound > 1 - 1e-5
+
+
+def test_a_weight_that_the_iteration_leaves_is_no_point_of_a_design():
+    """The paper's maximin design of two factors had a fourth point with a weight of 8e-9."""
+    design = ApproximateDesign(np.array([0.5, 1e-8, 0.5 - 1e-8]), np.zeros(1), 1.0)
+    support = design.on(np.array([[0.0], [0.5], [1.0]]))
+    assert support.points.tolist() == [[0.0], [1.0]]
+    assert support.weights.sum() == pytest.approx(1, abs=1e-15)
 
 
 def test_the_maximin_design_is_best_for_the_worst_vector():
@@ -182,3 +196,29 @@ def test_points_outside_the_ranges_and_missing_designs_are_named(tmp_path, repos
     assert "3 of 4 existing points lie outside" in notes
     assert ": a, b, c;" in notes
     assert "no design exact-2: 2 points do not determine the 3 parameters" in notes
+
+
+def test_points_of_a_design_are_different_experiments(repository):
+    """At a plate's centre half of a weight each had y = 0 and y = 1e-10 m, where phi jumps."""
+    config = changed(
+        load_config(repository / "config" / "plate.yaml"),
+        actuator={"profile": {"kind": "standing-wave", "wavelength_m": 0.024}},
+        optimal={"points": [5], "candidates": 256},
+    )
+    space, model = space_of_study(config), get_model("four_factor")
+    table = table_of_points(space.grid(81, distinct=True), space)
+    force_n = model.evaluate(np.array(FOUR_FACTOR_THETA), factors_of_table(table))
+    noise = 1 + 0.01 * np.random.default_rng(1).standard_normal(len(table))
+    fit = FittedModel(
+        model=model.name,
+        theta=FOUR_FACTOR_THETA,
+        points=len(table),
+        global_error=0.01,
+        sum_of_squares=1.0,
+        expression=model.expression,
+        parameters=list(model.parameter_names),
+        parameter_units=list(model.parameter_units),
+    )
+    fitted = FittedSpace(fit, config, forces=table.assign(force_n=force_n * noise))
+    for name, design in designs_by_name(fitted, config.optimal, existing=None).items():
+        assert pair_distances(fitted.coordinates(design.points)).min() > 1e-3, name

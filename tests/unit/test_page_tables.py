@@ -132,3 +132,19 @@ def test_recommended_amplitudes_stand_by_space_and_then_by_size(monkeypatch, tmp
     header, *shown = map(str.split, capsys.readouterr().out.splitlines()[:-2])
     amplitudes = [(row[0], float(row[header.index("hv_m")])) for row in shown]
     assert amplitudes == [("two_factor", 2e-6), ("four_factor", 1e-6), ("four_factor", 3e-6)]
+
+
+def test_a_target_force_that_no_model_gives_is_an_error_after_the_table(
+    monkeypatch, tmp_path, capsys
+):
+    rows = [{"space": space, "model": "bump"} for space in ("two_factor", "four_factor")]
+    table = pd.DataFrame(rows).assign(h0_m=5e-6, hv_m=float("nan"), force_n=30.0, note="too large")
+    table = table.assign(validation_error=0.01, worst_error=0.02)
+    monkeypatch.setattr(models.Results, "of_folder", lambda *_: models.Results(tmp_path, None))
+    monkeypatch.setattr(models, "recommendation_table", lambda _: table)
+    assert cli.main(["recommend", str(tmp_path)]) == 1
+    told = capsys.readouterr()
+    assert told.out.count("bump") == 4
+    assert "no recommended model gives 30 N at h0 = 5 µm" in told.err
+    # One position out of reach is a note of its row.
+    assert models.missing_amplitude_text(table.assign(hv_m=[float("nan"), 2e-6])) == ""

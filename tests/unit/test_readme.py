@@ -51,7 +51,7 @@ def test_the_page_on_the_modelling_error_shows_what_the_command_gives(repository
         x = ["--x", "2.9mm"] if place else []
         assert main(["error-budget", "--h0", f"{h0_um}um", "--hv", "2um", *x, "--json"]) == 0
         budget = json.loads(capsys.readouterr().out)
-        names = ("inertia", "thermal", "slip", "edge_loss", "edge_loss_upper")
+        names = ("inertia", "thermal", "slip", "edge_loss", "edge_loss_upper", "edge_flow")
         names += ("modelling_error_lower", "modelling_error_upper")
         numbers = [budget[f"{name}_percent"] for name in names]
         shown = [text.replace("−", "-") for text in re.findall(r"[+−][\d.]+", cells)]

@@ -19,7 +19,7 @@ from squeezefilm.film.symmetry import MirrorAxes, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds import solve
 from squeezefilm.studies.space import pad_positions, space_of_study
-from squeezefilm.studies.study import scene_of_study
+from squeezefilm.studies.study import check_study, scene_of_study, scenes_of_table
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
 PAD = {"shape": "rectangle", "length_x_m": 0.010, "length_y_m": 0.008}
@@ -105,8 +105,22 @@ def test_a_scan_is_smoothed_within_its_error(tmp_path):
 def test_the_pad_must_lie_on_the_plate(plate, x_m, y_m):
     config = study(plate)
     scene_of_study(config, 5e-6, 2e-6, x_m=0.010, y_m=-0.006)
-    with pytest.raises(InputError, match=r"a corner of the pad lies at x = .*, off the actuator"):
+    off = r"a corner of the pad lies at x = .*, off the actuator's .*x = ±10 mm, y = ±6 mm$"
+    with pytest.raises(InputError, match=off):
         scene_of_study(config, 5e-6, 2e-6, x_m=x_m, y_m=y_m)
+
+
+@pytest.mark.parametrize("rotation_deg", [0, 90])
+def test_a_pad_larger_than_the_plate_is_a_problem_of_the_pad(plate, rotation_deg):
+    sides = {"length_x_m": 0.031, "length_y_m": 0.005}
+    if rotation_deg:
+        sides = {"length_x_m": 0.005, "length_y_m": 0.031}
+    config = study(plate, pad={**sides, "rotation_deg": rotation_deg})
+    said = r"pad: it is 31 × 5 mm along x and y .* 30 × 20 mm rectangle \(actuator\.surface\)"
+    with pytest.raises(InputError, match=rf"plate\.yaml: {said}"):
+        check_study(config)
+    with pytest.raises(InputError, match=rf"^{said}[^\n]*$"):
+        scenes_of_table({"h0_m": [5e-6, 6e-6], "hv_m": [1e-6, 1e-6]}, config)
 
 
 def test_positions_are_on_both_sides_unless_mirrors_make_them_the_same(plate):

@@ -8,6 +8,7 @@ import pytest
 
 from squeezefilm.config.study import Refine
 from squeezefilm.designs.sequential import Outcome, PointPool, SequentialDesign
+from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 
@@ -80,6 +81,53 @@ def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():
     assert found.verdict == "reached"
     assert last.global_lower < np.linalg.norm(misses) / np.linalg.norm(force) < last.global_upper
     assert 0.5 < last.worst_error * found.rms_force_n / np.abs(misses).max() < 3
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_first_points_determine_the_parameters(seed):
+    """Of points that filled a space of four factors most had the smallest amplitudes."""
+    wave = make_model(
+        "wave",
+        {
+            "expression": "(t0 + t1*cos(x/w))*(hv/h0)**2 + (t2 + t3*cos(x/w))*(hv/h0)**4",
+            "constants": {"w": "2 mm"},
+        },
+        source="test",
+    )
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 4)] * 4, indexing="ij"), axis=-1)
+    drawn = np.random.default_rng(seed).uniform(size=(CHECKS + 200, 4))
+    unit = np.concatenate([grid.reshape(-1, 4), drawn])
+    scaled = [5e-6, 0.2e-6, 0.0, 0.0] + unit * [5e-6, 1.8e-6, 0.02, 0.01]
+    factors = Factors.of(**dict(zip(("h0_m", "hv_m", "x_m", "y_m"), scaled.T, strict=True)))
+    parts = np.split(np.arange(len(unit)), np.cumsum([256, CHECKS]))
+    force_n = wave.evaluate(np.array([3.0, 1.0, 2.0, 0.5]), factors)
+    force_n = force_n * (1 + 0.01 * np.cos(20 * factors.epsilon + 300 * factors.x_m))
+    loop = SequentialDesign(
+        wave,
+        PointPool(factors, unit, *parts),
+        Refine(**GOAL),
+        lambda points: (force_n[points], np.full(len(points), 1e-9)),
+        bound=100,
+    )
+    theta, sample = loop.run().rounds[0].theta, parts[-1]
+    misses = wave.evaluate(theta, factors)[sample] - force_n[sample]
+    assert np.linalg.norm(misses) < 0.02 * np.linalg.norm(force_n[sample])
+
+
+@pytest.mark.parametrize(
+    ("expression", "checks", "goal", "reason"),
+    [
+        ("sqrt(1 + t0*(hv/h0)**2)/sqrt(1 - t1*(hv/h0)**2) + t2 + t3*hv", 3, {}, "3 points do not"),
+        (QUADRATIC, 40, {"separation": 0.5, "simulations": 50}, "of 81 candidates are 0.5 or more"),
+        (QUADRATIC, 8, {"simulations": 10}, "3 simulations to begin with and 8 to verify"),
+    ],
+)
+def test_what_cannot_begin_is_told_before_anything_is_simulated(expression, checks, goal, reason):
+    def simulate(e: np.ndarray) -> np.ndarray:
+        raise AssertionError("simulated")
+
+    with pytest.raises(InputError, match=reason):
+        run(model(expression), simulate, goal=GOAL | goal, points=pool(checks=checks))
 
 
 def test_a_model_that_lacks_a_term_is_found_out():

@@ -295,11 +295,16 @@ def test_outliers_do_not_set_the_axes_of_the_profile():
     points = {"layer": "points", "r_mm": r_mm, "amplitude_um": np.cos(r_mm / 5)}
     profile = {"layer": "profile", "r_mm": r_mm, "error_um": 0.01}
     profile |= {f"profile_{end}_um": np.cos(r_mm / 5) for end in ("min", "max")}
-    strays = {"layer": "outliers", "r_mm": [1.0, 2.0], "amplitude_um": 50.0, "residual_um": 49.0}
+    strays = {"layer": "outliers", "r_mm": [1.0, 2.0], "amplitude_um": [50.0, -50.0]}
+    strays |= {"residual_um": [49.0, -49.0]}
     tables = [pd.DataFrame(each) for each in (points | {"residual_um": 0.02}, profile, strays)]
     amplitude, residual = plt.subplots(1, 2)[1]
     _draw_over_radius(amplitude, residual, pd.concat(tables).assign(noise_um=0.02))
     assert max(amplitude.get_ylim()) < 2
     assert max(residual.get_ylim()) < 0.2
-    assert residual.get_legend_handles_labels()[1].count("outliers (2)") == 1
+    for axes in (amplitude, residual):
+        labels = axes.get_legend_handles_labels()[1]
+        assert (labels.count("outliers (2)"), labels.count("2 beyond the axis")) == (1, 1)
+        markers = [line.get_marker() for line in axes.get_lines()]
+        assert (markers.count("^"), markers.count("v")) == (1, 1)
     plt.close("all")

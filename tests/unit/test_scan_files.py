@@ -419,6 +419,33 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
     .replace("%", "% Length unit:   mm\n%")
     .replace(",", "      ")
     .encode(),
+    "frequencies as names": text(
+        "Point,X,Y,42.9 kHz,43.27 kHz,44 kHz,Phase\n,mm,mm,um p-p,um p-p,um p-p,deg",
+        *(np.arange(len(X)), X, Y, 9 * abs(X), 2 * abs(U), X, PHASE),
+    ).encode(),
+    "frequencies as names, phases too": text(
+        "x_mm;y_mm;42,9 kHz [um];42,9 kHz [deg];43,27 kHz [um];43,27 kHz [deg]",
+        *(X, Y, 9 * abs(X), Y, abs(U), PHASE),
+        comma=True,
+    ).encode(),
+    "frequencies behind names": text(
+        "x_mm,y_mm,Amplitude 42.9 kHz [um],Phase 42.9 kHz [deg],Amplitude 43.27 kHz [um],"
+        "Phase 43.27 kHz [deg]",
+        *(X, Y, X, Y, abs(U), PHASE),
+    ).encode(),
+    "a unit in a letter's name, and below it": text(
+        "x [mm],y [mm],v [mm/s],Phase [deg]\n(mm),(mm),(mm/sec),(deg)", X, Y, abs(SPEED), PHASE
+    ).encode(),
+    "a unit in a name, and below it": text(
+        "x [mm],y [mm],Amplitude [um],Phase\nmm,mm,um,deg", X, Y, abs(U), PHASE
+    ).encode(),
+    "LabVIEW, a unit in a name and volts above": (
+        "Y_Unit_Label\tmm\tmm\tVolts\tdeg\t\n***End_of_Header***\t\t\t\t\t\n"
+        + text(
+            "X_Value,Pos X,Pos Y,Amplitude [um],Phase,Comment",
+            *(np.arange(len(X)), X, Y, abs(U), PHASE, X),
+        ).replace(",", "\t")
+    ).encode(),
     "COMSOL, abs and arg": text(
         "% Length unit:   mm\n% x         y          abs(w) (µm)          arg(w) (rad)",
         *(X, Y, abs(U), np.radians(PHASE)),
@@ -550,6 +577,31 @@ WRONG = {
         "'x' stands twice: 'x_mm' and 'X Pos [mm]'",
     ),
     "no header": (PLAIN.split("\n", 1)[1], "line 1: no header names the columns"),
+    "a matrix": (
+        "\n".join(["\t".join(["0.5"] * 20)] * 20),
+        "or, of a matrix of amplitudes, lines above it: '# Width: 30 mm', '# Height: 20 mm', ",
+    ),
+    "volts": (
+        with_header("x_mm,y_mm,43.27 kHz [V],phase_deg"),
+        "no unit is known of '43.27 kHz [V]'; write it into the header, as in 43.27 kHz [um]",
+    ),
+    "frequencies far away": (
+        with_header("x_mm,y_mm,41 kHz [um],45 kHz [um]"),
+        "the columns are at 45000 Hz, and the actuator vibrates at 43270 Hz (actuator.frequency)",
+    ),
+    "two units": (
+        with_header("x_mm,y_mm,Amplitude [um],phase_deg\nmm,mm,um p-p,deg"),
+        "'Amplitude [um]' has another unit in the line of units: 'um p-p'; leave one of them out",
+    ),
+    "positions and amplitudes apart": (
+        "[Geometry]\n"
+        + text("Node,X,Y", np.arange(len(X)), X, Y)
+        + "\n[Shape]\nQuantity:,Acceleration\nDOF,Real,Imag\n"
+        + "\n".join(f"disc:{node}:+Z,{u},0" for node, u in enumerate(U)),
+        f"the second, 'DOF', 'Real', 'Imag', from line {len(X) + 6} on; write one table, with both "
+        "in the row of a point; the columns are x, y, real, imaginary; not understood: 'Node'; and "
+        "no unit is known of 'X', 'Y', 'Real', 'Imag'",
+    ),
 }
 
 
@@ -640,7 +692,10 @@ def test_an_unclear_status_is_asked_for(tmp_path):
     assert len(read(tmp_path / "scan.csv", content, rows="Status = ok").x_m) == len(X) - 1
 
 
-@pytest.mark.parametrize("form", ["{:.9g} {} {:.9g}im", "{:.9g} {} {:.9g}*I", "({:.9g}{}{:.9g}j)"])
+@pytest.mark.parametrize(
+    "form",
+    ["{:.9g} {} {:.9g}im", "{:.9g} {} {:.9g}*I", "({:.9g}{}{:.9g}j)", '"({:.9g},{}{:.9g})"'],
+)
 def test_complex_cells_are_read_as_languages_write_them(form, tmp_path):
     cells = [form.format(u.real, "+-"[u.imag < 0], abs(u.imag)) for u in TURNED.tolist()]
     rows = [f"{x:.9g},{y:.9g},{cell}" for x, y, cell in zip(X, Y, cells, strict=True)]
@@ -807,20 +862,145 @@ def test_a_surface_across_the_plane_of_x_and_y_is_named(tmp_path):
             r"as in x \[mm\].* on one side of x = 0 .*axisymmetric: true.*origin",
         ),
         (X + 20, Y + 20, r"as in x \[mm\].* on one side of x = 0 .*axisymmetric: true.*origin"),
-        (X, 0 * Y, r"as in x \[mm\].*; points on a line need .*axisymmetric: true too"),
+        (X, 0 * Y, r"as in x \[mm\].*; and points on a line need .*axisymmetric: true$"),
         (X, Y, r"as in x \[mm\], y \[mm\], uz \[um\]. Lengths are .*wrong\)$"),
     ],
 )
 def test_units_and_what_the_places_need_are_asked_for_together(x, y, message, tmp_path):
-    content = f"{text('x,y,uz', x, y, U)}Total,9,9,9\n"
+    path = tmp_path / "scan.csv"
+    path.write_text(f"{text('x,y,uz', x, y, U)}Total,9,9,9\n")
     with pytest.raises(InputError, match=message):
-        read(tmp_path / "scan.csv", content)
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
+
+
+UNSIGNED = r".*; and the amplitudes have no phase and no sign.*sign: unknown if .* no node line$"
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (text("x,y,amplitude", X, Y, abs(U)), f"line 1: no unit is known of 'x'{UNSIGNED}"),
+        (text("x,y,uz", X, Y, U), r"line 1: no unit is known of 'x'.*wrong\)$"),
+        (text("x_mm,y_mm,amplitude_um", X, Y, abs(U)).split("\n", 1)[1], f"no header{UNSIGNED}"),
+        (
+            text("x_mm,y_mm,uz_um", X, Y, abs(U)).split("\n", 1)[1].replace(",0.", ",-0."),
+            r"no header.*r_mm, amplitude_um$",
+        ),
+        (text("", abs(X), U).strip(), r"no header.*; and points on a line need .*: true$"),
+    ],
+)
+def test_what_a_study_must_say_of_points_is_in_the_first_message(content, message, tmp_path):
+    """And nothing that it says already."""
+    path = tmp_path / "scan.csv"
+    path.write_text(content)
+    with pytest.raises(InputError, match=message):
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
+    with pytest.raises(InputError) as refusal:
+        smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=True, sign="unknown")
+    assert "actuator.profile" not in str(refusal.value)
+
+
+def test_a_component_beside_a_magnitude_has_its_sign(tmp_path):
+    """As ParaView writes vectors; amplitudes, by their name or by a node line, have none."""
+    header, raised = '"{0}:2 [um]","{0}:Magnitude","Points:0 [mm]","Points:1 [mm]"', U + 1.5
+    rectified = (abs(U), abs(U), X, Y)
+    columns = (raised, raised, X, Y)
+    path = tmp_path / "scan.csv"
+    assert read(path, text(header.format("u"), *columns)).has_phase_or_sign
+    assert not read(path, text(header.format("u_amplitude"), *columns)).has_phase_or_sign
+    assert not read(path, text("u:2 [um],v:Magnitude,x_mm,y_mm", *columns)).has_phase_or_sign
+    assert not read(path, text(header.format("u"), *rectified)).has_phase_or_sign
+    same(read(path, text(header.format("u"), U, *rectified[1:])))
+
+
+def test_a_matrix_with_its_size_is_read(tmp_path):
+    """Gwyddion's: cells, the first row at the top; one without a size is asked for it."""
+    columns, rows = 30, 20
+    x_mm, y_mm = (np.arange(columns) + 0.5) * 0.6, 8 - (np.arange(rows) + 0.5) * 0.4
+    matrix = 1 + x_mm / 10 - y_mm[:, None] / 20
+    body = "\n".join("\t".join(f"{1e-6 * u:.9e}" for u in row) for row in matrix)
+    path = tmp_path / "scan.txt"
+    sizes = "# Channel: Amplitude\n# Width: 18.0 mm\n# Height: 0.8 cm\n# Value units: m\n"
+    scan = read(path, sizes + body)
+    assert scan.x_m == pytest.approx(np.tile(x_mm, rows) / 1e3)
+    assert scan.y_m == pytest.approx(np.repeat(y_mm, columns) / 1e3)
+    assert scan.amplitude_m.real == pytest.approx(1e-6 * matrix.ravel())
+    assert "20 × 30 values is read at the middles of its cells" in scan.notes[0]
+    with pytest.raises(InputError, match=r"the unit 'px' of 'x \[px\]' is not known"):
+        read(path, sizes.replace("18.0 mm", "30 px") + body)
+    with pytest.raises(InputError, match="variables that Octave saved"):
+        read(path, "# Created by Octave 8.4.0, Mon Mar 11\n# name: xy_mm\n 0 0\n")
+
+
+def test_points_rounded_beyond_the_edge_are_on_it(tmp_path):
+    """By their coordinates' last digit; others name the size with which they are on it."""
+    path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
+    angles = 2 * np.pi * np.arange(90) / 90
+    x, y = np.append(X, 10 * np.cos(angles)), np.append(Y, 10 * np.sin(angles))
+
+    def smooth(scale: float, digits: int, surface: Disc | Rectangle = surface) -> tuple[str, ...]:
+        at = (np.round(scale * each, digits) for each in (x, y))
+        path.write_text(text("x_mm,y_mm,amplitude_um", *at, np.sinc(0.1098 * np.hypot(x, y))))
+        return smoothed_scan_of_file(path, surface=surface, axisymmetric=False).warnings
+
+    assert smooth(1.0, 9) == ()
+    for digits in (1, 4):
+        assert (
+            "µm beyond the edge (actuator.surface_radius) are taken for" in smooth(1.0, digits)[0]
+        )
+    with pytest.raises(InputError, match=r"ends there, say actuator.surface_radius: 10.2001 mm$"):
+        smooth(1.02, 4)
+    assert "are taken for rounded ones" in smooth(1.02, 4, Disc(10.2e-3))[0]
+    with pytest.raises(
+        InputError,
+        match=r"there, say actuator.surface: \{shape: rectangle, len.*x: "
+        r"20.4 mm, length_y: 22 mm\}$",
+    ):
+        smooth(1.02, 4, Rectangle(0.02, 0.022))
+
+
+def test_a_line_along_a_plate_is_its_shape_where_that_is_the_same_across(tmp_path):
+    """Along x or y, with the wave where the scan has it; a shape that varies across is doubted."""
+    path, plate = tmp_path / "scan.csv", Rectangle(0.09, 0.03)
+    along = np.linspace(0, 90, 61)
+    noise = 0.01 * np.random.default_rng(1).standard_normal((2, 61))
+    wave = 1.9 * (np.cos(np.pi * along / 30 + 0.4) + noise[0] + 1j * noise[1])
+    content = text("Position [mm],real_um,imag_um", along, wave.real, wave.imag)
+    path.write_text(content)
+    how = {"surface": plate, "axisymmetric": False, "origin_m": (0.045, 0.0)}
+    scan = smoothed_scan_of_file(path, along="x", **how)
+    x_m, y_m, _ = plate.net_points_and_weights()
+    found = scan.profile.amplitude(x_m=x_m, y_m=y_m)
+    exact = np.cos(np.pi * (x_m + 0.045) / 0.03 + 0.4)
+    assert np.ptp(found, axis=1).max() < 1e-12
+    assert np.sign(np.sum(found * exact)) * found == pytest.approx(exact, abs=0.03)
+    with pytest.raises(InputError, match=r"do not lie along y .*; name their column y"):
+        smoothed_scan_of_file(path, along="y", **how)
+    path.write_text(content.replace("Position", "y"))
+    turned = smoothed_scan_of_file(
+        path, surface=Rectangle(0.03, 0.09), axisymmetric=False, along="y", origin_m=(0.0, 0.045)
+    )
+    values = turned.profile.amplitude(x_m=y_m, y_m=x_m)
+    assert values == pytest.approx(found, abs=1e-6)
+    x, y = (each.ravel() for each in np.meshgrid(np.linspace(-45, 45, 61), np.linspace(-15, 15, 7)))
+    path.write_text(text("x_mm,y_mm,uz_um", x, y, np.cos(np.pi * x / 30) * (1 + y / 40)))
+    warned = smoothed_scan_of_file(path, surface=plate, axisymmetric=False, along="x").warnings
+    assert "varies across too" in warned[-1]
+    with pytest.raises(InputError, match=r"profile.along: is of a rectangle; a disc has axisymm"):
+        sf.Film.of(
+            actuator={
+                "frequency": FREQUENCY_HZ,
+                "surface_radius": RADIUS_M,
+                "profile": {"kind": "measured", "file": str(path), "along": "x"},
+            },
+            pad={"length_x": "4 mm", "length_y": "4 mm"},
+        )
 
 
 def test_points_on_an_axis_are_a_line_and_its_wants_are_told_together(tmp_path):
     path, r = tmp_path / "scan.csv", np.linspace(40, 60, 101)
     path.write_text(text("x_mm,y_mm,uz_um", r, 0 * r, np.sinc(0.1098 * (r - 50))))
-    wants = r"axisymmetric: true; and line 2: .*origin: \[50 mm, 0 mm\], the middle"
+    wants = r"axisymmetric: true; and line 102: .*origin: \[50 mm, 0 mm\], the middle"
     with pytest.raises(InputError, match=wants):
         smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
     marked = with_header("x_mm,y_mm,amplitude_um,phase_deg") + "1,1,-99.9999,0\n"
@@ -843,8 +1023,9 @@ def test_what_a_part_of_a_surface_lacks_is_named(tmp_path):
         smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=False)
     plate = Rectangle(2 * RADIUS_M, RADIUS_M)
     path.write_text(text("x_mm,uz_um", X, U), encoding="utf-8")
-    with pytest.raises(InputError, match=r"line.*across it.*kind: standing-wave"):
+    with pytest.raises(InputError, match=r"line.*across it.*profile.along: x \(or y") as refusal:
         smoothed_scan_of_file(path, surface=plate, axisymmetric=False)
+    assert "wavelength" not in str(refusal.value)  # which the file does not say
 
 
 def test_a_time_series_is_no_shape_and_a_repeated_scan_is_one(tmp_path):

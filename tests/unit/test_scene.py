@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.pad import GapShape
+from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.positions import cartesian_from_polar
 from squeezefilm.film.profiles import Piston, Sinc
 from squeezefilm.film.scene import Scenes
@@ -84,10 +84,15 @@ def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
     ("changes", "message"),
     [
         ({"hv_m": 5e-6}, "surface and pad touch"),
-        (cartesian_from_polar(2.94e-3, 45.0), "off the actuator's disc of radius 10 mm"),
+        (
+            cartesian_from_polar(2.94e-3, 45.0),
+            "off the actuator's disc of radius 10 mm; in this direction its centre may lie at most "
+            "2.92 mm out",
+        ),
+        ({"pad": Pad(20e-3, 10e-3)}, "pad: it reaches 11.18 mm from its centre"),
     ],
 )
 def test_a_scene_without_a_film_is_refused(scene, changes, message):
-    with pytest.raises(InputError, match="point 1: ") as refusal:
+    with pytest.raises(InputError, match=r"^point 1: |^pad: ") as refusal:
         check_scene(replace(scene, **changes))
     assert message in str(refusal.value)

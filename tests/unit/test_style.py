@@ -4,6 +4,9 @@ import ast
 import re
 import runpy
 
+import numpy as np
+from PIL import Image
+
 PRIVATE = re.compile(
     r"\b(left out|leaves? out|in all|two phases|two-phase|yardstick|dear|anew|judged?|bearable"
     r"|of its own|refused|refuses|beyond the equation|off by|left open|leaves? open|put back"
@@ -62,6 +65,18 @@ def test_every_picture_of_a_page_is_there_small_and_made_by_a_command(repository
     assert {path.relative_to(repository / "docs").as_posix() for path in kept} <= known
     assert {path.resolve() for path in kept} == {*shown}
     assert max(path.stat().st_size for path in kept) < 150_000
+
+
+def test_light_areas_of_a_picture_stay_apart(repository, tmp_path):
+    """Figure 14's grey band was lost in the white of its page."""
+    pixels = np.full((200, 300, 3), 255, dtype=np.uint8)
+    pixels[50:150] = 240
+    pixels[:40] = np.random.default_rng(1).integers(0, 256, size=(40, 300, 3))
+    picture = tmp_path / "picture.png"
+    Image.fromarray(pixels).save(picture)
+    runpy.run_path(str(repository / "docs" / "pictures.py"))["with_palette"](picture)
+    shown = np.asarray(Image.open(picture).convert("RGB"))
+    assert (shown[45, 0].tolist(), shown[100, 0].tolist()) == ([255] * 3, [240] * 3)
 
 
 def test_a_docstring_opens_with_what_it_is_and_is_in_the_words_of_the_field(repository):

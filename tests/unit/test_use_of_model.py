@@ -159,6 +159,25 @@ def test_a_point_outside_has_the_reason_in_place_of_its_error(command, write_fit
     assert "95 % have" not in "".join(lines)
 
 
+@pytest.mark.parametrize("command", [["predict", "--hv=1um"], ["amplitude-for", "--force=0.2N"]])
+@pytest.mark.parametrize(
+    ("option", "taken"),
+    [
+        ([], "x = 0 m, y = 0 m"),
+        (["--x=1mm"], "x = 1 mm, y = 0 m"),
+        (["--phi-r=1mm"], "phi_r = 1 mm, phi = 0 °"),
+    ],
+)
+def test_the_operating_point_has_the_position_that_is_taken(
+    command, option, taken, write_fit, capsys
+):
+    name, *options = command
+    path = write_fit(get_model("four_factor"), THETA["four_factor"])
+    assert cli.main([name, str(path), "--h0=6um", *options, *option]) == 0
+    (line,) = re.findall("operating point.*", capsys.readouterr().out)
+    assert line.endswith(f", {taken}")
+
+
 def test_the_validation_states_the_part_of_an_error_that_it_measures(write_fit, tmp_path):
     """A 95 % error of 2.1 % stood beside a coverage of 0.4 %: the rest was the scan's."""
     model, theta = get_model("two_factor"), THETA["two_factor"]

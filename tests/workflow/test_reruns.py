@@ -127,3 +127,13 @@ def test_a_deleted_file_comes_back(finished, tmp_path):
     assert file.read_text(encoding="utf-8") == text
     # The page that was made is named.
     assert re.search(r"^Open results/quick/report/\w+\.html$", done.stdout, re.MULTILINE)
+
+
+def test_a_run_without_a_page_names_the_table_of_its_forces(finished, tmp_path):
+    folder = copy_checkout(finished.folder, tmp_path / "sweep", "results", ".snakemake")
+    forces = Path("results/quick/simulations/sweep/forces.parquet")
+    (folder / forces).unlink()
+    done = snakemake(folder, "sweep", *QUICK)
+    assert done.returncode == 0, done.stdout
+    assert (folder / forces).exists()
+    assert f"\nForces: {forces}\n" in done.stdout

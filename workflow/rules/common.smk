@@ -139,14 +139,14 @@ def checked_study():
     kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())
-    from squeezefilm.config.loading import unit_notes
+    from squeezefilm.config.loading import target_force_notes, unit_notes
     from squeezefilm.models.force_model import check_models_of_study
     from squeezefilm.studies.plans import chunk_counts
     from squeezefilm.studies.study import check_study
 
     check_study(CONFIG)
     check_models_of_study(CONFIG)
-    for note in unit_notes(CONFIG):
+    for note in (*target_force_notes(CONFIG), *unit_notes(CONFIG)):
         print(f"note: {note}", file=sys.stderr)
     if STYLE:
         from squeezefilm_workflow.reporting.figures.style import read_style
@@ -322,7 +322,8 @@ FRONT_PAGES = ["check", "equations", "summary"]
 STARTED_S = time.time()
 
 
-# Names the pages and figures that were asked for, or the page to look at first.
+# Names the pages and figures that were asked for, or the page to look at first; where neither was
+# made, as by a sweep, tables of forces.
 onsuccess:
     made = [
         path for path in Path("results", STUDY).rglob("*.*") if path.stat().st_mtime > STARTED_S
@@ -332,5 +333,8 @@ onsuccess:
     figures = [path for path in made if path.suffix == ".png" and ".plain" not in path.name]
     targets = {Path(str(target)).stem for target in workflow.dag_settings.targets}
     asked = sorted(path for path in [*pages, *figures] if path.stem in targets)
-    for page in asked or [*fronts, *sorted(pages), *sorted(figures)][:1]:
+    shown = asked or [*fronts, *sorted(pages), *sorted(figures)][:1]
+    for page in shown:
         print(f"Open {page}", flush=True)
+    for table in sorted(path for path in made if path.stem == "forces" and not shown):
+        print(f"Forces: {table}", flush=True)

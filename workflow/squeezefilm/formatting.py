@@ -6,7 +6,7 @@ a row removes it, so that the columns that nothing takes are shown by their name
 
 import json
 from collections.abc import Mapping
-from math import floor, isfinite, log10, nan
+from math import ceil, floor, isfinite, log10, nan
 from typing import Any
 
 from squeezefilm.columns import COLUMNS, error_columns
@@ -48,14 +48,13 @@ ERROR_PERCENT_COLUMNS = (
 """Errors without a value beside them: rounded up, as those with one are."""
 HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
     *("bearing_percent", "bearing_error_percent"),
-    *("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
 }
 NOT_AVAILABLE_TEXT, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
 NOT_VALIDATED_TEXT = "not validated"
 """Beginning of a note on a point that a model's validation does not cover."""
 EFFECT_NAMES_SHOWN = (
     *("inertia", "thermal", "depth_averaged", "sheared_gas", "moving_profile", "ram_pressure"),
-    *("slip", "flow_factor", "edge_loss"),
+    *("slip", "flow_factor", "edge_loss", "edge_flow"),
 )
 # Effects whose error is no numerical one.
 EFFECTS_WITH_ESTIMATED_ERROR = (
@@ -64,6 +63,7 @@ EFFECTS_WITH_ESTIMATED_ERROR = (
     "moving_profile",
     "ram_pressure",
     "flow_factor",
+    "edge_flow",
 )
 # Never negative: an error as large as the value leaves an upper bound.
 NON_NEGATIVE_QUANTITIES = ("resonance", "damping_ratio", "settling_start", "settling_stop")
@@ -118,6 +118,19 @@ def percent_text(*values: float, sign: str = "+", digits: int = 2) -> str:
     """Return per cent, or the ends of a range of them, as people write them."""
     ends = [number_text(number, sign=sign, digits=digits, least=1e-9) for number in values]
     return f"{' to '.join(dict.fromkeys(ends))} %"
+
+
+def interval_text(lower: float, upper: float) -> str:
+    """Return the ends of an interval, rounded outward to two digits of the larger one."""
+    largest = max(abs(lower), abs(upper))
+    if not isfinite(largest) or largest == 0:
+        return " to ".join(number_text(end) for end in (lower, upper))
+    exponent = floor(log10(largest)) - 1
+    # What rounding added to an end that lies on a step already is no reason for the next one.
+    steps = floor(lower / 10**exponent + 1e-6), ceil(upper / 10**exponent - 1e-6)
+    if largest < MIN_VALUE_WITHOUT_EXPONENT:
+        return " to ".join(number_text(float(step) * 10**exponent) for step in steps)
+    return " to ".join(f"{step * 10**exponent:+.{max(-exponent, 0)}f}" for step in steps)
 
 
 def value_text(value: Any, unit: str = "", *, error: float | None = None, digits: int = 3) -> str:
@@ -301,7 +314,11 @@ def _take_effect_lines(row: Row) -> LabelledLines:
         name: (row.pop(f"{name}_percent"), row.pop(name + EFFECT_ERROR_SUFFIX)) for name in names
     }
     neglected = {name: effects[name] for name in names if name not in included}
-    total = f"{effect_change_text(*ends)} of the {'force' if unit == 'N' else 'load'}"
+    sizes = sorted(size * end for end in ends)
+    if unit == "µm":  # with the second order of the gap's change
+        sizes = [1e6 * row.pop(f"h0_modelling_error_{end}_m") for end in ("lower", "upper")]
+    size_text = f"{interval_text(*sizes)} {unit}, " * isfinite(size)
+    total = f"{size_text}{interval_text(*ends)} % of the {'force' if unit == 'N' else 'load'}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE_TEXT + f": {status}" * (status != "ok")
         if reason := " and ".join(column_label(name) for name in unknown if name):
@@ -312,9 +329,9 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
         text = effect_change_text(effect, *[edge] * (name == "edge_loss"))
         if name in EFFECTS_WITH_ESTIMATED_ERROR:
-            text += f" ± {percent_text(error, sign='', digits=1)}"
+            text += f" ± {percent_text(round_up_error(error), sign='')}"
             if abs(effect) < MIN_EFFECT_OVER_ERROR * error:
-                bound = percent_text(abs(effect) + error, sign="", digits=1)
+                bound = percent_text(round_up_error(abs(effect) + error), sign="")
                 text = f"within ± {bound}"
         if not abs(effect) + error < MIN_EFFECT_SHOWN_PERCENT:
             lines.append(

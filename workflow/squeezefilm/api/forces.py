@@ -163,10 +163,8 @@ def solve_forces(
         budget: whether to estimate the modelling error too, from separate states.
     """
     notes = [tuple(unsupported_auto_term_texts(scene, method=settings.method)) for scene in scenes]
-    (scenes, known_solutions), device = settings.solve_deciding_auto_terms(scenes), settings.device
-    solutions = solve_with_settings(
-        scenes, settings=settings, derivatives=derivatives, known=known_solutions
-    )
+    scenes, device = settings.with_auto_terms_decided(scenes), settings.device
+    solutions = solve_with_settings(scenes, settings=settings, derivatives=derivatives)
     known = np.flatnonzero(np.isfinite(solutions.force_n)).tolist()
     with_force = [scenes[k] for k in known]
     reason = "no force to compare with" if budget else NOT_REQUESTED_STATUS
@@ -194,25 +192,11 @@ def solve_with_settings(
     *,
     settings: SolverSettings,
     derivatives: bool = False,
-    known: Mapping[int, Solution] | None = None,
     report: Callable[[int], object] = lambda solved: None,
 ) -> Solutions:
-    """Solve scenes whose terms are decided, with the requested derivatives and outputs.
-
-    Args:
-        known: solutions that there are already, by row.
-    """
+    """Solve scenes whose terms are decided, with the requested derivatives and outputs."""
     if not (derivatives or settings.outputs):
-        if not known or settings.method == "composite":
-            return solve(scenes, **settings.solve_arguments, report=report)
-        report(len(known))
-        rows, scenes = np.array(list(known)), Scenes.of(scenes)
-        rest = np.delete(np.arange(len(scenes)), rows)
-        solutions = Solutions.unsolved_of_method(settings.method, len(scenes))
-        solutions = solutions.with_replaced_rows(rows, Solutions.of(list(known.values())))
-        return solutions.with_replaced_rows(
-            rest, solve(scenes[rest], **settings.solve_arguments, report=report)
-        )
+        return solve(scenes, **settings.solve_arguments, report=report)
     from squeezefilm.quantities.derivatives import with_derivatives
     from squeezefilm.quantities.outputs import with_outputs
 
@@ -391,8 +375,8 @@ def simulate_table(
             batch = planned[first : first + ROWS_PER_WRITE]
             start = time.perf_counter()
             how: dict[str, Any] = {"derivatives": derivatives, "report": bar.update}
-            decided, known = settings.solve_deciding_auto_terms(batch)
-            solutions = solve_with_settings(decided, settings=settings, known=known, **how)
+            decided = settings.with_auto_terms_decided(batch)
+            solutions = solve_with_settings(decided, settings=settings, **how)
             wall = time.perf_counter() - start
             columns = rows[columns_in_table_form(SCENE_COLUMNS, rows)]
             write(pd.concat([columns, solutions.to_frame(rows.index)], axis=1))

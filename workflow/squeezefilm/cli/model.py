@@ -16,7 +16,7 @@ from squeezefilm.cli.options import (
 from squeezefilm.columns import unregistered_columns
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
-from squeezefilm.film.positions import CARTESIAN_COLUMNS
+from squeezefilm.film.positions import CARTESIAN_COLUMNS, fill_missing_coordinate
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.models.export import NAN_OF_LANGUAGE
@@ -58,7 +58,7 @@ def predict(options: argparse.Namespace) -> None:
         kept = {*SCENE_COLUMNS, *CARTESIAN_COLUMNS, *unregistered_columns(map(str, table))}
         table = table[[name for name in table if name in kept]]
     else:
-        table, source = pd.DataFrame(points_of_options(options)), "predict"
+        table, source = _points_of_options(options), "predict"
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=source)
@@ -89,8 +89,15 @@ def amplitude_for(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
-    points = pd.DataFrame(points_of_options(options))
+    points = _points_of_options(options)
     write_or_print_rows(fit.amplitudes_for(points, options.force), options, **fit.about)
+
+
+def _points_of_options(options: argparse.Namespace) -> pd.DataFrame:
+    """The points as a table; a single one that is printed with the position that is taken."""
+    points = pd.DataFrame(points_of_options(options))
+    alone = len(points) == 1 and not options.output
+    return fill_missing_coordinate(points) if alone else points
 
 
 @command(

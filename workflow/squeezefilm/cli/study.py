@@ -147,7 +147,8 @@ def optimal(options: argparse.Namespace) -> None:
     designs, the first three with a bound of their efficiency by the equivalence theorem (between
     candidates by sampled maxima):
 
-      local      the best weights of points anywhere in the space, for the fitted parameters
+      local      the best weights of points anywhere in the space, for the fitted parameters; on a
+                 grid for a formula that jumps or has forces of the asymptotic expansion
       bayesian   for the mean over the parameter vectors at the ends of the parameters' ranges
       maximin    for the worst of these vectors
       exact-N    the best N points found by exchange from 50 starts, each once and apart from the

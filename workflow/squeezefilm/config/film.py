@@ -95,6 +95,7 @@ class FilmSections(Section):
             "surface": self.actuator.surface,
             "frequency_hz": self.actuator.frequency_hz,
             "axisymmetric": settings.axisymmetric,
+            "along": settings.along,
             "sign": settings.sign,
             "rows": settings.rows,
             "origin_m": settings.origin_m,

@@ -335,14 +335,15 @@ def differences_from_paper(config: Study) -> Iterator[str]:
 def study_notes(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
-    ``unit_notes``, a study of the paper with another film, a standing wave without a model that
-    repeats along it.
+    ``unit_notes``, ``target_force_notes``, a study of the paper with another film, a standing wave
+    without a model that repeats along it.
     """
     if config.paper and (changes := list(differences_from_paper(config))):
         yield (
             f"paper: true, but {', '.join(changes)}: its pages name a variant of the paper; leave "
             "paper out where the paper's claims are not to be compared"
         )
+    yield from target_force_notes(config)
     if isinstance(config.actuator.profile, StandingWave) and not config.models:
         yield (
             "models: the force repeats along a standing wave, and formulas in x**2 + y**2 do not; "
@@ -360,6 +361,26 @@ def unit_notes(config: FilmSections) -> Iterator[str]:
             if not least <= abs(value) <= most:
                 key = ".".join(map(str, place))
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
+
+
+def target_force_notes(config: Study) -> Iterator[str]:
+    """Yield a note where no amplitude of the screen gives the target force.
+
+    As σ → ∞ a film with a parallel gap gives at most the force of a piston,
+    p0 A (√((1 + 3/2 ε²)/(1 − ε²)) − 1); inertia and heat add less than as much again.
+    """
+    target, hv_m = config.extrapolation, config.screen.hv_m.stop
+    ratio_squared = (hv_m / target.h0_m) ** 2
+    if ratio_squared >= 1 or not config.pad.gap.flat:
+        return
+    pressure_ratio = math.sqrt((1 + 1.5 * ratio_squared) / (1 - ratio_squared)) - 1
+    limit_n = config.gas.ambient_pressure_pa * config.pad.area_m2 * pressure_ratio
+    if target.force_n > 2 * limit_n:
+        yield (
+            f"extrapolation.force: {target.force_n:g} N is beyond the screen: at h0 = "
+            f"{1e6 * target.h0_m:g} µm and hv = {1e6 * hv_m:g} µm a film gives about "
+            f"{limit_n:.2g} N at most; recommended amplitudes would not be validated"
+        )
 
 
 def value_origin(config: FilmSections, key_path: KeyPath) -> str:

@@ -469,13 +469,14 @@ class Study(FilmSections, StudyHeader):
             _set_missing_values(positions, phi_deg=list(DEFAULT_DIRECTIONS_DEG))
             if positions.phi_r_m is None:
                 half_m, reach_m = self.actuator.surface_radius_m, _farthest_edge_m(self.pad)
-                way_m = _max_travel_m("actuator.surface_radius", half_m, reach_m, "phi_r")
+                way_m = _max_travel_m(self.pad, reach_m, "actuator.surface_radius", half_m)
                 positions.phi_r_m = [_round_down_3_digits(way_m / 2), _round_down_3_digits(way_m)]
             return
         for axis, reach_m in zip("xy", _half_extents_along_axes_m(self.pad), strict=True):
             if getattr(positions, f"{axis}_m") is None:
                 half_m = getattr(surface, f"length_{axis}_m") / 2
-                way_m = _max_travel_m(f"actuator.surface.length_{axis}", half_m, reach_m, axis)
+                key = f"actuator.surface.length_{axis}"
+                way_m = _max_travel_m(self.pad, reach_m, key, half_m, along=f" along {axis}")
                 setattr(
                     positions,
                     f"{axis}_m",
@@ -576,14 +577,18 @@ def _half_extents_along_axes_m(pad: Pad) -> tuple[float, float]:
     return c * half_x + s * half_y, s * half_x + c * half_y
 
 
-def _max_travel_m(surface: str, half_m: float, reach_m: float, key: str) -> float:
-    """Largest distance that the pad may move one way."""
+def _max_travel_m(
+    pad: Pad, reach_m: float, surface_key: str, half_m: float, *, along: str = ""
+) -> float:
+    """Largest distance that the pad may move one way, by its reach and half the surface's."""
     if half_m - reach_m <= 1e-6 * reach_m:
+        # Of a curve whose points are not read yet the reach is an upper bound.
+        otherwise = ", or write the positions" if pad.shape == "curve" else ""
         raise error_at_key(
-            f"the pad reaches {reach_m * 1e3:.4g} mm from its centre and the surface ({surface}) "
-            f"{half_m * 1e3:.4g} mm: there is no room to move the pad, as the four-factor plan "
-            f"does; make one of them fit, or write positions.{key}",
-            *("positions", key),
+            f"it reaches {reach_m * 1e3:.4g} mm from its centre{along}, and the surface "
+            f"{half_m * 1e3:.4g} mm ({surface_key}): there is no room to move the pad, as the "
+            f"four-factor plan does; give a smaller pad or a larger surface{otherwise}",
+            "pad",
         )
     return half_m - reach_m
 

@@ -39,15 +39,15 @@ from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 from scipy.stats import qmc
 
-from squeezefilm.designs.space import Array, Space
+from squeezefilm.designs.space import Array, Space, pair_distances
 from squeezefilm.errors import InputError
 
 Indices = NDArray[np.int64]
 GradientFunction = Callable[[Array], Array]
 """From points, shape (n, k), to derivatives, shape (n, p) or (K, n, p)."""
 
-MIN_SUPPORT_WEIGHT = 1e-9
-"""Weight below which a point is not in the support."""
+MIN_SUPPORT_WEIGHT = 1e-6
+"""Weight below which a point is no experiment: what the iteration leaves."""
 SINGULAR_DIAGONAL_TOLERANCE = 1e-12
 """Diagonal of a triangular factor with columns of length one, below which it is singular."""
 MAX_ACTIVE_SET_ROUNDS, MAX_INTERIOR_POINT_STEPS = 100, 100
@@ -60,6 +60,8 @@ SAME_DERIVATIVES_DISTANCE = 5e-3
 """Relative distance of derivatives within which points of a support are one."""
 SAME_POINT_DISTANCE = 0.1
 """In the unit cube, within which the mean of such points is taken."""
+JUMP_DISTANCE = 1e-6
+"""In the unit cube, within which derivatives that differ have a jump in between."""
 MAX_PEAK_ROUNDS = 20
 SAMPLE_SIZE_OF_ONE_FACTOR = 512
 """Points at which the sensitivity is looked at besides the candidates; twice as many for each
@@ -274,8 +276,11 @@ def optimal_design_in_space(
 
     Peaks of the sensitivity join the candidates, until the equivalence theorem holds at every peak
     that is found. efficiency_bound holds against the grid, a Sobol' sequence of other points, and
-    the peaks next to both. Raises InputError
-    where the candidates cannot tell the parameters apart.
+    the peaks next to both. Where the derivatives jump, as with the direction of a pad at the
+    centre, the best points lie on both sides of the jump, one experiment for which the model has
+    two values: then the design is the best on the grid, with a bound against the grid alone.
+
+    Raises InputError where the candidates cannot tell the parameters apart.
     """
     points_tried, known = candidates, stacked_derivatives(gradients(candidates))
     best, highest = ContinuousDesign(candidates[:0], np.empty(0)), 0.0
@@ -286,6 +291,9 @@ def optimal_design_in_space(
         merged = _merged_support_points(
             known, unit, optimal_approximate_design(known, gap=gap / 10).weights
         )
+        if pair_distances(merged).min(initial=1.0) < JUMP_DISTANCE:
+            on_grid = known[:, : len(candidates)]
+            return optimal_approximate_design(on_grid, gap=gap / 10).on(candidates)
         points = space.from_unit(merged)
         own = stacked_derivatives(gradients(points))
         design = optimal_approximate_design(own, gap=gap / 10)

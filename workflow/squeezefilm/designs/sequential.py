@@ -2,18 +2,19 @@
 
 Points are of two kinds. *Verification points* are drawn at random from the space, simulated first
 and never fitted: the errors there are a fair sample of the model's error over the space, whatever
-that error is like. *Design points* are fitted: a few that fill the space, then in each round those
-that are D-optimal for the parameters just found, given all before.
+that error is like. *Design points* are fitted: in each round those that are D-optimal for the
+parameters just found, given all before; in the first for those of the verification points. Points
+that fill the space would not do there: as few as there are parameters may hardly determine these.
 
 What is estimated, in units of the root mean square force over the space:
 
 - the global error |y - eta|/|y|, from the verification points, with 95 % limits that hold if their
   errors are normally distributed;
-- the worst error: the 95 % interval of prediction at the place where it is widest,
-  t s sqrt(1 + f'(F'F)^-1 f), with s from the verification points; at least the largest error seen,
-  there or at the design points of the last round, which lie at the edges of the space and are
-  predicted before they are fitted. What is under the root besides one comes from the parameters
-  and falls with more data, s is lack of fit and stays.
+- the worst error: that of 95 % of the space, with 95 % confidence, where it is largest,
+  z s sqrt(1 + f'(F'F)^-1 f), with the upper limit s from the verification points; at least the
+  largest error seen, there or at the design points of the last round, which lie at the edges of the
+  space and are predicted before they are fitted. What is under the root besides one comes from the
+  parameters and falls with more data, s is lack of fit and stays.
 
 Simulations are deterministic, so s is no noise, and "95 %" is about where in the space one looks.
 
@@ -63,9 +64,9 @@ MAX_RESIDUAL_ERROR_RATIO = 3.0
 class PointPool:
     """All points the loop knows of: their factors, shape (n,), and coordinates, shape (n, c).
 
-    candidates may be simulated and fitted, verification are simulated and not fitted, typical are
-    a fair sample of the space of which nothing is simulated; each is a set of indices. Distances
-    are taken between coordinates, scaled so that the space is about one wide.
+    candidates may be simulated and fitted, verification are simulated and not fitted,
+    fair_sample_indices are a fair sample of the space of which nothing is simulated; each is a set
+    of indices. Distances are taken between coordinates, scaled so that the space is about one wide.
     """
 
     factors: Factors
@@ -81,9 +82,9 @@ class RefinementRound:
 
     Errors are relative to the root mean square force over the space. global_lower and global_upper
     are the limits of global_error, lack_of_fit is s (NaN where the design does not settle the
-    parameters), worst_at the point of the pool where the worst
-    error is estimated, parameter_fraction the share of its square that comes from the parameters,
-    floor the root mean square residual of the best fit to all points simulated so far.
+    parameters), worst_error_index the point of the pool where the worst error is estimated,
+    parameter_fraction the share of its square that comes from the parameters, floor the root mean
+    square residual of the best fit to all points simulated so far.
     """
 
     number: int
@@ -105,9 +106,9 @@ class RefinementRound:
 class Outcome:
     """End of the loop: reached, model, simulation or budget, and the reason.
 
-    hindsight is the best fit to all points, verification included; simulated lists them, in the
-    order in which they were, with their forces in newtons. scale_n is the root mean
-    square force over the space.
+    theta_of_all_points is the best fit to all points, verification included; simulated_indices
+    lists them in the order in which they were simulated, force_n are their forces. rms_force_n is
+    the root mean square force over the space.
     """
 
     verdict: str
@@ -125,7 +126,7 @@ class SequentialDesign:
 
     settings is the section ``refine`` of a study; its separation, the least distance between two
     points simulated, is in the pool's coordinates. simulate is called with points of the pool, each
-    once; bound is that of the global search with which a fit begins where no parameters are known.
+    once; bound is that of the global search with which the first fit begins.
     """
 
     model: ExpressionModel
@@ -143,9 +144,15 @@ class SequentialDesign:
     def parameters(self) -> int:
         return len(self.model.parameter_names)
 
+    @property
+    def first_design_size(self) -> int:
+        """One point more than there are parameters, none without."""
+        return self.parameters + 1 if self.parameters else 0
+
     def simulate_points(self, points: Indices) -> None:
         """Simulate points of the pool."""
-        self.force_n[points], self.error_n[points] = self.simulate(points)
+        if len(points):
+            self.force_n[points], self.error_n[points] = self.simulate(points)
 
     def fitted_theta(self, points: Indices, *starts: Array | None) -> Array:
         """The least-squares parameters of some points from several starts, None a global search."""
@@ -180,42 +187,51 @@ class SequentialDesign:
         known = force[np.isfinite(force)]
         return float(np.sqrt(np.mean(known**2))) if len(known) else nan
 
-    def initial_design_indices(self) -> Indices:
-        """One point more than there are parameters, far from each other and from what verifies.
+    def check_settings(self) -> None:
+        """Check before anything is simulated that the loop can begin.
 
-        Raises InputError where there is no room for them, or where no candidates tell the
-        parameters apart.
+        Raises InputError where too few simulations or verification points are allowed, where these
+        leave no room for others, or where no candidates tell the parameters apart.
         """
-        pool, checks = self.pool, len(self.pool.verification)
-        first = self.parameters + 1 if self.parameters else 0
+        pool, checks, first = self.pool, len(self.pool.verification), self.first_design_size
         if checks + first > self.settings.simulations:
             raise InputError(
                 f"refine: the model {self.model.name} takes {first} simulations to begin with and "
                 f"{checks} to verify, more than the {self.settings.simulations} allowed"
             )
+        if checks < self.parameters and not self.model.is_linear:
+            raise InputError(
+                f"refine.verification: {checks} points do not determine the {self.parameters} "
+                f"parameters of {self.model.name}; give {self.parameters} or more"
+            )
         with prefix_errors(f"refine: {len(pool.candidates)} candidates"):
             check_identifiable(self.model, pool.factors.take(pool.candidates))
-        candidates = pool.coordinates[pool.candidates]
-        taken = pool.coordinates[pool.verification]
-        chosen = np.empty(0, dtype=int)
-        for _ in range(first):
-            far = cdist(candidates, taken).min(axis=1)
-            if not len(chosen):  # the first at an edge
-                middle = candidates.mean(axis=0)
-                far = (far >= self.settings.separation) * np.linalg.norm(
-                    candidates - middle, axis=1
-                )
-            best = int(np.argmax(far))
-            chosen = np.append(chosen, pool.candidates[best])
-            taken = np.concatenate([taken, candidates[best : best + 1]])
-        return chosen
+        verification = pool.coordinates[pool.verification]
+        distance = cdist(pool.coordinates[pool.candidates], verification).min(axis=1)
+        if (room := np.count_nonzero(distance >= self.settings.separation)) < first:
+            raise InputError(
+                f"refine.separation: {room} of {len(pool.candidates)} candidates are "
+                f"{self.settings.separation:g} or more from the {checks} verification points, and "
+                f"{first} are needed; give a smaller separation, fewer of these or more candidates"
+            )
 
-    def most_informative_indices(self, theta: Array, design: Indices) -> Indices:
+    def preliminary_theta(self) -> Array:
+        """The parameters that the first points are designed for: those of the verification points.
+
+        Of a linear model any do: its derivatives are the same for all.
+        """
+        if self.model.is_linear:
+            return np.zeros(self.parameters)
+        return self.fitted_theta(self.pool.verification, None)
+
+    def most_informative_indices(self, theta: Array, design: Indices, *, count: int) -> Indices:
         """The most informative points about the parameters, besides those of the design."""
         pool, model = self.pool, self.model
+        if not count:
+            return np.empty(0, dtype=int)
         chosen = exact_design_by_exchange(
             model.gradient(theta, pool.factors.take(pool.candidates)),
-            self.settings.batch,
+            count,
             existing=model.gradient(theta, pool.factors.take(design)),
             coordinates=pool.coordinates[pool.candidates],
             existing_coordinates=pool.coordinates[np.concatenate([pool.verification, design])],
@@ -244,7 +260,7 @@ class SequentialDesign:
         variance = self.prediction_variances(theta, design, pool_points)
         at = int(np.argmax(variance))
         known = isfinite(variance[at]) and isfinite(lack)
-        times = float(stats.t.ppf((1 + CONFIDENCE_LEVEL) / 2, count))
+        times = float(stats.norm.ppf((1 + CONFIDENCE_LEVEL) / 2) * upper)
         width = times * lack * np.sqrt(1 + variance[at]) if known else np.inf
         seen = np.abs(np.concatenate([misses, surprise])).max()
         simulated = np.concatenate([checks, design])
@@ -317,12 +333,14 @@ class SequentialDesign:
     def run(self, report: Callable[[RefinementRound], object] = lambda done: None) -> Outcome:
         """Run the loop until it ends; ``report`` is called with each round when it is done.
 
-        Raises InputError where too few simulations are allowed, or no candidates tell the
-        parameters apart.
+        Raises InputError as ``check_settings`` does.
         """
-        design, rounds = self.initial_design_indices(), list[RefinementRound]()
-        self.simulate_points(np.concatenate([self.pool.verification, design]))
-        start, surprise = None, np.empty(0)
+        self.check_settings()
+        self.simulate_points(self.pool.verification)
+        start, surprise, rounds = self.preliminary_theta(), np.empty(0), list[RefinementRound]()
+        design = np.empty(0, dtype=int)
+        design = self.most_informative_indices(start, design, count=self.first_design_size)
+        self.simulate_points(design)
         while True:
             simulated = np.concatenate([self.pool.verification, design])
             theta = self.fitted_theta(design, start)
@@ -339,12 +357,12 @@ class SequentialDesign:
             report(done)
             if not verdict:
                 try:
-                    added = self.most_informative_indices(theta, design)
+                    added = self.most_informative_indices(theta, design, count=self.settings.batch)
                 except InputError as error:
                     verdict, reason = "budget", f"no more points can be designed: {error}"
             if verdict:
-                force_n, scale_n = self.force_n[simulated], self.scale(hindsight)
-                return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, scale_n)
+                force_n, rms_force_n = self.force_n[simulated], self.scale(hindsight)
+                return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, rms_force_n)
             self.simulate_points(added)
             design = np.concatenate([design, added])
             start, surprise = theta, self.residuals(theta, added)

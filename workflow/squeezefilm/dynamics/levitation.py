@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import lru_cache, partial
 from itertools import product
 from math import ceil, copysign, exp, floor, inf, isfinite, log, log10, nan
 from typing import Any, NamedTuple
@@ -166,10 +166,7 @@ def levitate(
     if not (isfinite(load_n) and load_n > 0):
         raise InputError(f"load: {load_n:g} N must be a positive force")
     how = {"tolerance": tolerance, "method": method, "device": device}
-    # Terms that such a look can do without are not included.
-    gaps_m = _trial_gaps_m(scene, TRIAL_GAP_COUNT)
-    looked_at = _scenes_at_gaps(scene.viscous(), gaps_m)
-    forces_n = solve(looked_at, tolerance=TRIAL_FORCE_TOLERANCE, device=device).force_n
+    gaps_m, forces_n = _trial_gaps_and_forces(scene.viscous(), device)
     known = np.isfinite(forces_n)
     gaps, forces = gaps_m[known], forces_n[known]
     above = forces >= load_n
@@ -243,7 +240,6 @@ def valid_range_text(
     decided = resolve_auto_terms(
         _scenes_at_gaps(scene, gaps_m[limited]),
         model_tolerance=model_tolerance,
-        tolerance=tolerance,
         method=method,
         device=device,
     )
@@ -298,7 +294,8 @@ def _scene_at_load(
 
     def with_terms_decided(gap_m: float) -> Scene:
         at_gap = _scenes_at_gaps(scene, [gap_m])
-        return resolve_auto_terms(at_gap, model_tolerance=model_tolerance, **how)[0]
+        deciding = {"method": how["method"], "device": how["device"]}
+        return resolve_auto_terms(at_gap, model_tolerance=model_tolerance, **deciding)[0]
 
     chosen = with_terms_decided(start.gap_m)
     for _ in range(MAX_TERM_ROUNDS):
@@ -383,6 +380,14 @@ def _trial_gaps_m(scene: Scene, count: int) -> np.ndarray:
         excursion_m = scene.hv_m * np.abs(scene.amplitude(x, y))
         least = max(least, float((excursion_m / MAX_TRIAL_EXCURSION - gap.rise_m(x, y)).max()))
     return np.geomspace(least, max(least, most), count)
+
+
+@lru_cache(maxsize=1)  # for all loads of a table
+def _trial_gaps_and_forces(scene: Scene, device: Device) -> tuple[np.ndarray, np.ndarray]:
+    """Return gaps and rough forces there, without the terms that such a look can do without."""
+    gaps_m = _trial_gaps_m(scene, TRIAL_GAP_COUNT)
+    at_gaps = _scenes_at_gaps(scene, gaps_m)
+    return gaps_m, solve(at_gaps, tolerance=TRIAL_FORCE_TOLERANCE, device=device).force_n
 
 
 class GapAndSteepness(NamedTuple):

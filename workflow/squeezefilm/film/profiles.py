@@ -238,11 +238,11 @@ class ModeSum(Profile):
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         x, y = np.broadcast_arrays(x_m, y_m)
+        coefficients = np.array(self.coefficients)
         if x.size * len(self.orders) > MAX_CACHED_MODE_VALUES:
-            modes = self.surface.modes_at(self.orders, x, y)
-        else:
-            modes = _cached_modes(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
-        return modes @ np.array(self.coefficients)
+            return self.surface.sum_of_modes_at(self.orders, coefficients, x, y)
+        modes = _cached_modes(self.surface, self.orders, x.shape, x.tobytes(), y.tobytes())
+        return modes @ coefficients
 
 
 @lru_cache(maxsize=16)
@@ -281,6 +281,8 @@ class ScanFile:
         file: a vibrometer's table (see below), from the folder of this file
         axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
             leaves it free, and is what a rectangle needs
+        along: of a rectangle `x` if the shape is the same at every y, `y` if at every x: points on
+            a line will do
         sign: with `measured` a scan without phase and sign is invalid, for it is rectified at
             a node line; `unknown` takes it as it is, and every force says so
         rows: `COLUMN = VALUE`, the rows of one measurement where the table has several (a drive
@@ -296,6 +298,7 @@ class ScanFile:
     kind: Literal["measured"] = field(default="measured", kw_only=True)
     file: Text
     axisymmetric: StrictBool = False
+    along: Literal["", "x", "y"] = ""
     sign: Literal["measured", "unknown"] = "measured"
     rows: str = ""
     origin_m: tuple[Coordinate, Coordinate] = (0.0, 0.0)

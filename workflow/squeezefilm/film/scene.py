@@ -63,8 +63,10 @@ def validate_surface_keys(actuator: Actuator) -> Actuator:
             "give surface_radius, of a disc, or surface, of a rectangle, and not both"
         )
     profile = actuator.profile
-    if actuator.rectangle and isinstance(profile, ScanFile) and profile.axisymmetric:
+    if isinstance(profile, ScanFile) and actuator.rectangle and profile.axisymmetric:
         raise error_at_key("a rectangle has no axis; it must be false", "profile", "axisymmetric")
+    if isinstance(profile, ScanFile) and not actuator.rectangle and profile.along:
+        raise error_at_key("is of a rectangle; a disc has axisymmetric", "profile", "along")
     return actuator
 
 

@@ -5,7 +5,7 @@ are 1 at its edge: on a disc over its radius, on a rectangle each over half its 
 """
 
 from dataclasses import dataclass, field
-from math import cos, pi, radians, sin
+from math import ceil, cos, floor, pi, radians, sin
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -36,8 +36,7 @@ class Disc:
     position_columns = POLAR_COLUMNS
     config_key = "actuator.surface_radius"
     line_scan_problem = (
-        "points along a radius, without angles, can only give an axisymmetric profile; say so by "
-        "actuator.profile.axisymmetric: true"
+        "points on a line need an axisymmetric shape: say actuator.profile.axisymmetric: true"
     )
     whole_of_part = (
         "write the mirrored points too, or say actuator.profile.axisymmetric: true if the shape "
@@ -55,6 +54,10 @@ class Disc:
         """Return the surface's shape with its size."""
         return f"disc of radius {self.radius_m * 1e3:.4g} mm"
 
+    def enclosing_text(self, x_m: np.ndarray, y_m: np.ndarray) -> str:
+        """The key and the size with which points lie on a surface of this shape."""
+        return f"{self.config_key}: {_rounded_up_mm(np.hypot(x_m, y_m).max())}"
+
     def relative_distance(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         """Relative distance of points from the centre: 0 at the centre, 1 on the edge."""
         return np.asarray(np.hypot(x_m, y_m) / self.radius_m)
@@ -65,7 +68,23 @@ class Disc:
 
     def position_text(self, x_m: float, y_m: float) -> str:
         """A place in words."""
-        return f"{np.hypot(x_m, y_m) * 1e3:.2f} mm from the centre"
+        return f"{np.hypot(x_m, y_m) * 1e3:.5g} mm from the centre"
+
+    def pad_extent_text(self, outline_m: np.ndarray) -> str:
+        """Extent of a pad by points of its edge from its centre, shape (n, 2), in words."""
+        return f"it reaches {np.hypot(*outline_m.T).max() * 1e3:.4g} mm from its centre"
+
+    def allowed_positions_text(self, outline_m: np.ndarray, x_m: float, y_m: float) -> str:
+        """The limit of a pad's position in the direction of one, in words.
+
+        outline_m, shape (n, 2), are points of the pad's edge from its centre; with its centre at
+        the surface's the pad must lie on the surface.
+        """
+        along_m = outline_m @ (x_m, y_m) / np.hypot(x_m, y_m)
+        room_m = np.sqrt(along_m**2 + self.radius_m**2 - np.sum(outline_m**2, axis=1)) - along_m
+        return (
+            f"in this direction its centre may lie at most {_mm_rounded_down(room_m.min())} mm out"
+        )
 
     def net_points_and_weights(
         self, *, finer: bool = False
@@ -77,18 +96,18 @@ class Disc:
         return r_m * np.cos(phi), r_m * np.sin(phi), r_m
 
     def orders_up_to(
-        self, degree: int, *, degrees_more: int = 0, axisymmetric: bool, wave_ratio: float = 1.0
+        self, degree: int, *, degrees_more: int = 0, coordinate: str = "", wave_ratio: float = 1.0
     ) -> ModeOrders:
         """Zernike's modes (n, m) of degree n ≤ ``degree`` and so many more.
 
-        With m = 0 alone if ``axisymmetric``. n ≥ |m| and n − |m| is even. They span all
-        polynomials in x, y of the degree.
+        With m = 0 alone if they depend on the ``coordinate`` r alone. n ≥ |m| and n − |m| is even.
+        They span all polynomials in x, y of the degree.
         """
         return tuple(
             (n, m)
             for n in range(degree + degrees_more + 1)
             for m in range(-n, n + 1, 2)
-            if m == 0 or not axisymmetric
+            if m == 0 or coordinate != "r"
         )
 
     def modes_at(self, orders: ModeOrders, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
@@ -112,6 +131,12 @@ class Disc:
             values[..., index] = radial[(n - abs(m)) // 2, abs(m)] * angular
         return values
 
+    def sum_of_modes_at(
+        self, orders: ModeOrders, coefficients: np.ndarray, x_m: np.ndarray, y_m: np.ndarray
+    ) -> np.ndarray:
+        """Return ``modes_at`` times their coefficients."""
+        return self.modes_at(orders, x_m, y_m) @ coefficients
+
 
 @dataclass(frozen=True)
 class Rectangle:
@@ -133,8 +158,8 @@ class Rectangle:
     position_columns: ClassVar = CARTESIAN_COLUMNS
     config_key: ClassVar = "actuator.surface"
     line_scan_problem: ClassVar = (
-        "points on a line do not determine the shape across it; scan more lines, or say "
-        "actuator.profile: {kind: standing-wave, wavelength: 24 mm}, or kind: formula"
+        "points on a line do not determine the shape across it: scan more lines, or, if it is the "
+        "same all across, say actuator.profile.along: x (or y, as the line runs)"
     )
     whole_of_part: ClassVar = "write the mirrored points too"
     wave_ratios: ClassVar = MODE_FAMILY_WAVE_RATIOS
@@ -147,6 +172,16 @@ class Rectangle:
     def text(self) -> str:
         return f"{self.length_x_m * 1e3:.4g} × {self.length_y_m * 1e3:.4g} mm rectangle"
 
+    def enclosing_text(self, x_m: np.ndarray, y_m: np.ndarray) -> str:
+        """As of a disc."""
+        sides = [
+            f"length_{axis}: {_rounded_up_mm(max(side_m, 2 * np.abs(at_m).max()))}"
+            for axis, side_m, at_m in zip(
+                "xy", (self.length_x_m, self.length_y_m), (x_m, y_m), strict=True
+            )
+        ]
+        return f"{self.config_key}: {{shape: rectangle, {', '.join(sides)}}}"
+
     def relative_distance(self, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
         half_x, half_y = self.half_extents_m
         return np.maximum(np.abs(x_m) / half_x, np.abs(y_m) / half_y)
@@ -156,7 +191,15 @@ class Rectangle:
         return (abs(c) * self.length_x_m + abs(s) * self.length_y_m) / 2
 
     def position_text(self, x_m: float, y_m: float) -> str:
-        return f"at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm"
+        return f"at x = {x_m * 1e3:z.5g} mm, y = {y_m * 1e3:z.5g} mm"
+
+    def pad_extent_text(self, outline_m: np.ndarray) -> str:
+        x_mm, y_mm = np.ptp(outline_m, axis=0) * 1e3
+        return f"it is {x_mm:.4g} × {y_mm:.4g} mm along x and y"
+
+    def allowed_positions_text(self, outline_m: np.ndarray, x_m: float, y_m: float) -> str:
+        x, y = map(_mm_rounded_down, self.half_extents_m - np.abs(outline_m).max(axis=0))
+        return f"its centre must lie within x = ±{x} mm, y = ±{y} mm"
 
     def net_points_and_weights(
         self, *, finer: bool = False
@@ -175,17 +218,19 @@ class Rectangle:
         degree: int,
         *,
         degrees_more: int = 0,
-        axisymmetric: bool = False,
+        coordinate: str = "",
         wave_ratio: float = 1.0,
     ) -> ModeOrders:
         """Modes (i, j) within the ellipse of ``degree`` along one side and no more along the other.
 
         ``wave_ratio`` is that of the waves per metre (MODE_FAMILY_WAVE_RATIOS). Both half axes are
-        longer by ``degrees_more``.
+        longer by ``degrees_more``. Of a ``coordinate`` alone, x or y, the other's order is 0.
         """
         sides = np.array([self.length_x_m, self.length_y_m])
         sides[np.argmin(sides)] *= wave_ratio
         half_axes = np.maximum(degree * sides / sides.max() + degrees_more, 1e-9)
+        if coordinate:
+            half_axes["yx".index(coordinate)] = 1e-9
         every = [
             divmod(n, degree + degrees_more + 1) for n in range((degree + degrees_more + 1) ** 2)
         ]
@@ -200,15 +245,40 @@ class Rectangle:
         P are Legendre's; ξ = sin(βx)/sin β and η alike, x over half the side and β EDGE_PHASE_RAD.
         """
         along_x, along_y = np.array(orders).T
+        polynomials_x, polynomials_y = self._polynomials_at(orders, x_m, y_m)
+        values: np.ndarray = polynomials_x[..., along_x] * polynomials_y[..., along_y]
+        return values.reshape(*np.shape(x_m), len(orders))
+
+    def sum_of_modes_at(
+        self, orders: ModeOrders, coefficients: np.ndarray, x_m: np.ndarray, y_m: np.ndarray
+    ) -> np.ndarray:
+        """Return ``modes_at`` times their coefficients, by sums along x of each degree along y."""
+        along_x, along_y = np.array(orders).T
+        matrix = np.zeros((along_x.max() + 1, along_y.max() + 1), dtype=coefficients.dtype)
+        matrix[along_x, along_y] = coefficients
+        polynomials_x, polynomials_y = self._polynomials_at(orders, x_m, y_m)
+        return np.asarray(np.einsum("...j,...j->...", polynomials_x @ matrix, polynomials_y))
+
+    def _polynomials_at(
+        self, orders: ModeOrders, x_m: np.ndarray, y_m: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Values of all P_i(ξ) and P_j(η) up to the modes' degrees, (*x_m.shape, degrees)."""
+        most_x, most_y = np.max(orders, axis=0).tolist()
         x, y = (
             np.sin(EDGE_PHASE_RAD * at_m / half_m) / sin(EDGE_PHASE_RAD)
             for at_m, half_m in zip((x_m, y_m), self.half_extents_m, strict=True)
         )
-        values: np.ndarray = (
-            legvander(x, int(along_x.max()))[..., along_x]
-            * legvander(y, int(along_y.max()))[..., along_y]
-        )
-        return values.reshape(*np.shape(x_m), len(orders))
+        return legvander(x, most_x), legvander(y, most_y)
+
+
+def _rounded_up_mm(length_m: float) -> str:
+    """A length in words, no shorter than it is."""
+    return f"{ceil(length_m * 1e7 - 1e-6) / 1e4:.10g} mm"
 
 
 Surface = Disc | Rectangle
+
+
+def _mm_rounded_down(length_m: float) -> str:
+    """A length that is allowed, in millimetres."""
+    return f"{floor(length_m * 1e5 * (1 + 1e-12)) / 100:g}"

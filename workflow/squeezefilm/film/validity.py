@@ -23,7 +23,9 @@ from squeezefilm.errors import (
     raise_first_problem,
     raise_row_problems,
 )
+from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Scene, Scenes
+from squeezefilm.film.surfaces import Surface
 
 OK = "ok"
 ERROR_UNVERIFIED_TEXT, NOT_APPLICABLE_TEXT = (
@@ -136,7 +138,7 @@ def exceeded_limit_texts(
 
     Quantity, value, bound, consequence.
     """
-    return tuple(_exceeded_limits_by_scene(Scenes.of([scene]), symbols)[0])
+    return tuple(exceeded_limits_by_scene(Scenes.of([scene]), symbols)[0])
 
 
 def validity_text(scene: Scene) -> str:
@@ -147,14 +149,14 @@ def validity_text(scene: Scene) -> str:
 def validity_texts(scenes: Scenes) -> np.ndarray:
     """Return the same for each of some scenes."""
     return np.array(
-        ["; ".join(exceeded) or OK for exceeded in _exceeded_limits_by_scene(scenes)], dtype=object
+        ["; ".join(exceeded) or OK for exceeded in exceeded_limits_by_scene(scenes)], dtype=object
     )
 
 
-def _exceeded_limits_by_scene(
+def exceeded_limits_by_scene(
     scenes: Scenes, symbols: Iterable[str] = SYMBOL_FUNCTIONS
 ) -> list[list[str]]:
-    """Return what each scene exceeds, in the list's order."""
+    """Return the limits of some quantities that each scene exceeds, in words."""
     texts: list[list[str]] = [[] for _ in range(len(scenes))]
     limits = [limit for limit in VALIDITY_LIMITS if limit.symbol in symbols]
     values = {symbol: SYMBOL_FUNCTIONS[symbol](scenes) for symbol in symbols}
@@ -184,7 +186,9 @@ def check_scenes(scenes: Scenes) -> None:
             check_scene(scenes[row], place=place)
         except InputError as error:
             problems.append(str(error))
-    raise_row_problems(problems, count=len(invalid))
+    # A pad that does not fit is one problem of all its rows.
+    distinct = list(dict.fromkeys(problems))
+    raise_row_problems(distinct, count=len(invalid) - len(problems) + len(distinct))
 
 
 def solvable_scene_mask(scenes: Scenes) -> np.ndarray:
@@ -202,6 +206,16 @@ def solvable_scene_mask(scenes: Scenes) -> np.ndarray:
         ).all(axis=1)
     sound[sound] = (scenes if sound.all() else scenes[sound]).closure < 1
     return sound
+
+
+def check_pad_fits(pad: Pad, surface: Surface) -> None:
+    """Reject a pad that reaches beyond the actuator with its centre at the actuator's."""
+    outline_m = pad.edge_points_m()
+    if not surface.relative_distance(*outline_m.T).max() <= 1 + ACTUATOR_EDGE_TOLERANCE:
+        raise InputError(
+            f"pad: {surface.pad_extent_text(outline_m)} and must lie on the actuator's "
+            f"{surface.text} ({surface.config_key}); give a smaller pad or a larger surface"
+        )
 
 
 def check_scene(scene: Scene, *, place: str | None = None) -> None:
@@ -226,20 +240,19 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
             "the amplitude must stay below the mean gap": hv_m >= h0_m,
         },
     )
-    surface, outline_m = (
-        scene.actuator.surface,
-        np.add(scene.pad.edge_points_m(), (scene.x_m, scene.y_m)),
-    )
-    reach = surface.relative_distance(*outline_m.T)
-    part = "a corner" if scene.pad.shape == "rectangle" else "the edge"
-    centre = f"with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} mm"
-    off = (
-        f"{surface.position_text(*outline_m[np.argmax(reach)])}, off the actuator's {surface.text}"
-    )
-    raise_first_problem(
-        source,
-        {f"{centre} {part} of the pad lies {off}": not reach.max() <= 1 + ACTUATOR_EDGE_TOLERANCE},
-    )
+    pad, surface = scene.pad, scene.actuator.surface
+    outline_m = pad.edge_points_m()
+    x_m, y_m = np.add(outline_m, (scene.x_m, scene.y_m)).T
+    reach = surface.relative_distance(x_m, y_m)
+    if not reach.max() <= 1 + ACTUATOR_EDGE_TOLERANCE:
+        check_pad_fits(pad, surface)
+        part = "a corner" if pad.shape == "rectangle" else "the edge"
+        farthest = surface.position_text(x_m[np.argmax(reach)], y_m[np.argmax(reach)])
+        raise InputError(
+            f"{source}: with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} "
+            f"mm {part} of the pad lies {farthest}, off the actuator's {surface.text}; "
+            f"{surface.allowed_positions_text(outline_m, scene.x_m, scene.y_m)}"
+        )
     contact = "they touch within the noise of the measured profile"
     if not scene.pad.gap.flat:
         contact = "the tilted or crowned pad touches the surface; pad.gap leaves too little"

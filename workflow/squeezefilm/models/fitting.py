@@ -168,11 +168,10 @@ def fit_model(
     *,
     bound: float = 1e6,
     seed: int = 1,
-    search: SearchFunction = run_genetic_searches,
 ) -> Fit:
     """A global search within +-bound, then Nelder-Mead (paper, section III); see
     ``fits_of_searches``."""
-    return fits_of_searches([(bound, search, seed)], model, factors, force_n)[0]
+    return fits_of_searches([(bound, run_genetic_searches, seed)], model, factors, force_n)[0]
 
 
 def fits_of_searches(

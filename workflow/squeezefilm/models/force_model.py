@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from math import inf
 from pathlib import Path
 from types import MappingProxyType
@@ -66,7 +66,7 @@ class ExpressionModel:
         """The formula's text."""
         return self.parsed_expression.text
 
-    @property
+    @cached_property
     def column_names(self) -> tuple[str, ...]:
         """The columns with results of physics that the model needs, besides the factors."""
         return tuple(
@@ -75,7 +75,7 @@ class ExpressionModel:
             if name in self.parsed_expression.names
         )
 
-    @property
+    @cached_property
     def factor_names(self) -> tuple[str, ...]:
         """The factors the model depends on, in the order of a design's columns.
 
@@ -102,7 +102,7 @@ class ExpressionModel:
         """True if gap and amplitude are the only factors: a model of the centred pad."""
         return self.factor_names == ("h0_m", "hv_m")
 
-    @property
+    @cached_property
     def linear_parameter_names(self) -> tuple[str, ...]:
         """Parameters in which the force is linear, all the others fixed."""
         names: tuple[str, ...] = ()

@@ -1,10 +1,10 @@
 """The modelling error of a force: what the film equation neglects, effect by effect, in % of it.
 
 An effect is the difference of two solved forces, with and without it: slip, inertia and thermal
-effects are terms of the solver, the edge loss is a pressure on the edge that is solved for
-(edge_loss.py), and inertia and heat of gas that a sliding wall drags are a source of mass
-(sheared_gas.py), as is a profile that it carries along (moving_profile.py). Effects interact, so
-all that are neglected together are one solve more, and not the sum of the rows. What cannot be
+effects are terms of the solver, the edge loss and flow around the edge are a pressure on it that is
+solved for (edge_effects.py), and inertia and heat of gas that a sliding wall drags are a source of
+mass (sheared_gas.py), as is a profile that it carries along (moving_profile.py). Effects interact,
+so all that are neglected together are one solve more, and not the sum of the rows. What cannot be
 solved for is unknown, and so is the total then.
 """
 
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import chain
 from math import isfinite, isnan, nan
 from pathlib import Path
@@ -21,9 +21,12 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from squeezefilm.film.scene import Film, Scene, Scenes
-from squeezefilm.film.validity import THICK_FILM_SIGMA
-from squeezefilm.quantities import edge_loss, moving_profile, sheared_gas
+from squeezefilm.film.validity import THICK_FILM_SIGMA, exceeded_limits_by_scene
+from squeezefilm.quantities import edge_effects, moving_profile, sheared_gas
+from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS
 from squeezefilm.reynolds.device import Device, choose_device
+from squeezefilm.reynolds.periodic.like_films import FilmOnGrids, films_on_grids_of
+from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.solver import solve
 from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
 from squeezefilm.reynolds.terms.inertia import Inertia
@@ -48,7 +51,7 @@ AUTO_TERMS: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 SLIDING_EFFECT_NAMES = ("sheared_gas", "moving_profile", "ram_pressure")
 EFFECT_NAMES = (
     *(*AUTO_TERMS, "depth_averaged", *SLIDING_EFFECT_NAMES),
-    *("slip", "flow_factor", "edge_loss", "bearing"),
+    *("slip", "flow_factor", "edge_loss", "edge_flow", "bearing"),
 )
 # Name of all neglected effects at once, where each alone was solved for.
 ALL_EFFECTS_LABEL = "all effects together"
@@ -81,7 +84,8 @@ class ErrorBudget:
         effects: by EFFECT_NAMES. ``inertia`` of the gas; ``thermal`` of compression and friction,
             between walls at ambient temperature; ``depth_averaged``, error of both as averages over
             the gap; ``slip`` of first order, with the flow factor's flow in a gap at rest, or as
-            the scene has it; ``flow_factor``, its difference from that; ``edge_loss`` for C = 1.
+            the scene has it; ``flow_factor``, its difference from that; ``edge_loss`` for C = 1;
+            ``edge_flow``, flow around the edge.
 
             Of a sliding pad: ``bearing``; ``sheared_gas``, inertia and heat beside those of the
             flow by pressure; ``moving_profile``, motion of the profile past the pad;
@@ -127,23 +131,13 @@ class ErrorBudget:
         return sum(abs(effect.percent) + effect.error_percent for effect in known)
 
 
-def error_budgets(
-    scenes: Sequence[Scene],
-    *,
-    device: Device | None = None,
-    tolerances: Sequence[float] = FORCE_TOLERANCES,
-) -> list[ErrorBudget]:
-    """The budget of each scene's force; what of their gases is ``auto`` must be decided.
-
-    Args:
-        tolerances: relative errors of the forces, falling; each is used only where the differences
-            of forces need it.
-    """
+def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
+    """The budget of each scene's force; what of their gases is ``auto`` must be decided."""
     device = device or choose_device()
     budgets: list[ErrorBudget] = []
     for first in range(0, len(scenes), SCENES_PER_BUDGET_BATCH):
         films = [EffectVariants(scene) for scene in scenes[first : first + SCENES_PER_BUDGET_BATCH]]
-        budgets += _error_budgets_of_variants(films, tolerances, device)
+        budgets += _error_budgets_of_variants(films, device)
     return budgets
 
 
@@ -232,16 +226,17 @@ class EffectVariants:
 
 
 def _error_budgets_of_variants(
-    films: Sequence[EffectVariants], tolerances: Sequence[float], device: Device
+    films: Sequence[EffectVariants], device: Device
 ) -> list[ErrorBudget]:
     moving = [film for film in films if film.has_force]
-    vibrating = {scene: None for film in moving for scene in (film.scene, film.together)}
+    alone = {film.scene: None for film in moving}
+    together = {film.together: None for film in moving}
     sliding = {film.together: None for film in moving if film.scene.bearing_number}
     with_still = sliding | {film.still.together: None for film in moving if film.still}
-    with_states = vibrating | with_still
+    with_states = alone | together | with_still
     others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
     solutions: dict[Scene, Solution] = {}
-    for tolerance in tolerances:
+    for tolerance in FORCE_TOLERANCES:
         vague = [film for film in moving if not _effects_resolved(film, solutions)]
         waiting = {scene: None for film in vague for scene in film.scenes}
         for distinct, keep_states in ((with_states, True), (others, False)):
@@ -257,9 +252,11 @@ def _error_budgets_of_variants(
                 if solution.status == "ok" or scene not in solutions:
                     solutions[scene] = solution
     changes: ForceChanges = {}
+    edge_changes = edge_effects.edge_effect_changes
     for name, force_changes, of_scenes in (
-        ("edge_loss", edge_loss.edge_loss_changes, vibrating),
-        ("ram_pressure", edge_loss.ram_pressure_changes, sliding),
+        ("separate_edge_effects", partial(edge_changes, laws=SEPARATE_LAWS), alone),
+        ("joint_edge_effects", partial(edge_changes, laws=JOINT_LAWS), together),
+        ("ram_pressure", edge_effects.ram_pressure_changes, sliding),
         ("sheared_gas", sheared_gas.sheared_gas_force_changes, with_still),
         ("moving_profile", moving_profile.moving_profile_changes, sliding),
     ):
@@ -314,8 +311,21 @@ def _error_budget_of_variants(
     for name in film.unsolvable:
         effects[name] = UNKNOWN_EFFECT
     effects["depth_averaged"] = Effect(*depth_averaging_change_percent(film.together))
-    (edge, edge_upper), (edge_error, _) = 100 * changes["edge_loss"][scene]
-    effects["edge_loss"] = Effect(float(edge), float(edge_error))
+    edge_loss, edge_loss_upper, edge_flow = _effects_of_changes(
+        changes["separate_edge_effects"][scene]
+    )
+    # Those of the film with all other effects, over that film's force.
+    with_all = solutions[film.together].force_n / own.force_n
+    joint = with_all * changes["joint_edge_effects"][film.together]
+    *edges, resistance, inertance = _effects_of_changes(joint)
+    edge_flow_error = sum(
+        effect.error_percent + float(ratio) * abs(effect.percent)
+        for effect, ratio in zip(
+            (resistance, inertance), edge_effects.edge_flow_error_ratios(scene), strict=True
+        )
+    )
+    effects["edge_loss"] = edge_loss
+    effects["edge_flow"] = Effect(edge_flow.percent, edge_flow.error_percent + edge_flow_error)
     together, error = change_percent(film.together, film.reference)
     error += doubt * abs(together)
     if "flow_factor" in film.pairs:
@@ -323,12 +333,10 @@ def _error_budget_of_variants(
         # Of a film without inertia and thermal effects, which it may interact with.
         interaction = 0.0 if film.together.viscous() == film.together else abs(percent)
         effects["flow_factor"] = Effect(percent, flow_error + interaction)
-    # Those of the film with all other effects, over that film's force.
-    with_all = solutions[film.together].force_n / own.force_n
     if scene.bearing_number:
         effects |= _sliding_effects(film, solutions, changes)
-    ends, errors = 100 * with_all * changes["edge_loss"][film.together]
-    error += max(map(abs, errors))
+    ends = [edge.percent for edge in edges]
+    error += max(edge.error_percent for edge in edges) + edge_flow_error
     for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECT_NAMES):
         together += effects[name].percent
         error += effects[name].error_percent
@@ -336,12 +344,17 @@ def _error_budget_of_variants(
         together = nan
     return ErrorBudget(
         effects,
-        edge_loss_upper_percent=float(edge_upper),
+        edge_loss_upper_percent=edge_loss_upper.percent,
         modelling_error_percent=(
             float(together + min(ends) - error),
             float(together + max(ends) + error),
         ),
     )
+
+
+def _effects_of_changes(changes: np.ndarray) -> list[Effect]:
+    """Return effects by relative changes of a force and their errors, (2, effects)."""
+    return [Effect(100 * float(change), 100 * abs(float(error))) for change, error in changes.T]
 
 
 def _sliding_effects(
@@ -444,99 +457,77 @@ def _depth_averaging_table(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.nd
     return np.append(0.0, nodes), reynolds, change
 
 
-# Change of the force, relative, below which a term that is ``auto`` is not included. The forces
-# that show it are solved to it, and to this fraction of it where that leaves it open.
-AUTO_TERM_TOLERANCE, DECIDING_TOLERANCE_FRACTION = 1e-3, 0.1
+# Change of the force, relative, below which a term that is ``auto`` is not included. It is looked
+# for on the first grids of a force to so many times that, or to the largest tolerance; and on finer
+# ones, so many times, where these leave it open.
+AUTO_TERM_TOLERANCE = 1e-3
+DECIDING_GRID_FACTOR, MAX_DECIDING_GRID_TOLERANCE, MAX_DECIDING_REFINEMENTS = 10.0, 1e-2, 2
 
 
-def resolve_auto_terms(scenes: Scenes | Sequence[Scene], **how: Any) -> Scenes | Sequence[Scene]:
-    """The scenes of ``resolve_and_solve_auto_terms`` alone."""
-    return resolve_and_solve_auto_terms(scenes, **how)[0]
-
-
-def resolve_and_solve_auto_terms(
+def resolve_auto_terms(
     scenes: Scenes | Sequence[Scene],
     *,
     model_tolerance: float = AUTO_TERM_TOLERANCE,
-    tolerance: float = 1.0,
     method: str = "auto",
     device: Device | None = None,
-) -> tuple[Scenes | Sequence[Scene], dict[int, Solution]]:
+) -> Scenes | Sequence[Scene]:
     """The scenes with each term of AUTO_TERMS ``included`` or ``none`` in the place of ``auto``.
 
     Terms are excluded where the force without them differs by less than the model tolerance,
-    relative, from that with all of them, both solved for; and where the method or the scene's other
-    terms do not allow them, which the scene's budget shows.
-
-    Args:
-        tolerance: relative error to which forces are wanted.
-
-    Returns:
-        the scenes, and the solutions of those that were solved to the tolerance for it, by row.
+    relative, from that with all of them, both solved for on the same grids; and where the method or
+    the scene's other terms do not allow them, which the scene's budget shows.
     """
     if not any(map(_undecided_term_names, scenes.films if isinstance(scenes, Scenes) else scenes)):
-        return scenes, {}
-    scenes = Scenes.of(scenes)
+        return scenes
+    scenes, device = Scenes.of(scenes), device or choose_device()
     closed = replace(scenes, films=tuple(map(_scene_without_undecided_terms, scenes.films)))
-    index = scenes.film_index
     # Whether a term is supported does not depend on the operating point.
-    asked = {
-        int(film): [
+    supported = {
+        int(film): tuple(
             name
             for name in _undecided_term_names(scene)
             if not _unsupported_reason(scene, name, method)
-        ]
-        for film, row in zip(*np.unique(index, return_index=True), strict=True)
+        )
+        for film, row in zip(*np.unique(scenes.film_index, return_index=True), strict=True)
         for scene in [scenes[int(row)]]
     }
-    needed = [tuple(asked[int(film)]) for film in index]
-
-    def solve_with_terms(
-        terms: Mapping[int, tuple[str, ...]], tolerance: float
-    ) -> dict[int, Solution]:
-        """Solutions of some rows with some terms."""
-        films = [_scene_with_included_terms(closed[row], names) for row, names in terms.items()]
-        solutions = solve(films, tolerance=tolerance, method="periodic", device=device)
-        return dict(zip(terms, solutions, strict=True))
-
-    rough, fine = model_tolerance, DECIDING_TOLERANCE_FRACTION * model_tolerance
-    every = {row: names for row, names in enumerate(needed) if names}
-    full = solve_with_terms(every, min(max(tolerance, fine), rough))
-    # Where that has no force, all terms stay, and the scene's own solution says why.
-    kept = {row: names for row, names in every.items() if full[row].status == "ok"}
-    for fewer in ((), ("inertia",), ("thermal",)):
-        undecided = [row for row, names in kept.items() if set(fewer) < set(names)]
-        for accuracy in (rough, fine):
-            vague = {
-                row: kept[row]
-                for row in undecided
-                if full[row].force_error_n > accuracy * abs(full[row].force_n)
-            }
-            closer = solve_with_terms(vague, accuracy)
-            full |= {row: solution for row, solution in closer.items() if solution.status == "ok"}
-            tried = solve_with_terms(dict.fromkeys(undecided, fewer), accuracy)
-            undecided = []
-            for row, solution in tried.items():
-                limit_n = model_tolerance * abs(full[row].force_n)
-                change_n = abs(solution.force_n - full[row].force_n)
-                error_n = solution.force_error_n + full[row].force_error_n
-                if change_n + error_n < limit_n:
-                    needed[row] = fewer
-                    del kept[row]
-                elif change_n - error_n < limit_n:
-                    undecided.append(row)
-    chosen = list(zip(index.tolist(), needed, strict=True))
-    index_of_choice = {
-        choice: choice_index for choice_index, choice in enumerate(dict.fromkeys(chosen))
+    included = [supported[int(film)] for film in scenes.film_index]
+    full = _scenes_with_included_terms(closed, included)
+    plan = solve_plan_of(full)
+    how: dict[str, Any] = {
+        "tolerance": min(DECIDING_GRID_FACTOR * model_tolerance, MAX_DECIDING_GRID_TOLERANCE),
+        "device": device,
     }
-    films = tuple(
-        _scene_with_included_terms(closed.films[film], included)
-        for film, included in index_of_choice
-    )
-    decided = replace(
-        scenes, films=films, film_index=np.array([index_of_choice[choice] for choice in chosen])
-    )
-    return decided, {row: full[row] for row in kept if tolerance >= fine}
+    with_all: list[dict[int, FilmOnGrids]] = [{} for _ in range(1 + MAX_DECIDING_REFINEMENTS)]
+    # Beyond a limit of the terms a change that passes through zero is no reason to go without them.
+    decided = {
+        row
+        for row, (names, exceeded) in enumerate(
+            zip(included, exceeded_limits_by_scene(full, symbols=["Re"]), strict=True)
+        )
+        if exceeded or not names
+    }
+    for fewer in ((), ("inertia",), ("thermal",)):
+        tried = _scenes_with_included_terms(closed, [fewer] * len(scenes))
+        undecided = [
+            row
+            for row, names in enumerate(included)
+            if row not in decided and set(fewer) < set(names)
+        ]
+        for refinements, solved in enumerate(with_all):
+            new = [row for row in undecided if row not in solved]
+            solved |= films_on_grids_of(plan, full, new, **how, refinements=refinements)
+            # Where the whole equation has no state all terms stay: the scene's solution says why.
+            both = [row for row in undecided if row in solved]
+            without = films_on_grids_of(plan, tried, both, **how, refinements=refinements)
+            for row, film in without.items():
+                change, error = solved[row].relative_change_to(film)
+                if abs(change) + error < model_tolerance:
+                    included[row] = fewer
+                    decided.add(row)
+                if not abs(abs(change) - model_tolerance) <= error:
+                    undecided.remove(row)
+    return _scenes_with_included_terms(closed, included)
 
 
 def unsupported_auto_term_texts(scene: Scene, *, method: str = "auto") -> list[str]:
@@ -560,8 +551,14 @@ def _scene_without_undecided_terms(scene: SceneOrFilmT) -> SceneOrFilmT:
     return scene.with_gas(**dict.fromkeys(_undecided_term_names(scene), "none"))
 
 
-def _scene_with_included_terms(scene: SceneOrFilmT, names: Sequence[str]) -> SceneOrFilmT:
-    return scene.with_gas(**dict.fromkeys(names, "included")) if names else scene
+def _scenes_with_included_terms(scenes: Scenes, included: Sequence[tuple[str, ...]]) -> Scenes:
+    """The scenes with the terms that each is to include."""
+    choices = list(zip(scenes.film_index.tolist(), included, strict=True))
+    index = {choice: number for number, choice in enumerate(dict.fromkeys(choices))}
+    films = tuple(
+        scenes.films[film].with_gas(**dict.fromkeys(names, "included")) for film, names in index
+    )
+    return replace(scenes, films=films, film_index=np.array([index[each] for each in choices]))
 
 
 def _unsupported_reason(scene: Scene, name: str, method: str) -> str:

@@ -7,11 +7,11 @@ from typing import Any
 from squeezefilm.config.film import FilmSections
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scene, Scenes
-from squeezefilm.quantities.model_error import resolve_and_solve_auto_terms, resolve_auto_terms
+from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.kernel_cache import build_lock
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.solution import Solution, validated_output_names
+from squeezefilm.solution import validated_output_names
 
 TOLERANCE_RANGE = (1e-10, 0.1)
 
@@ -35,15 +35,6 @@ class SolverSettings:
         """The scenes with what of their gas is ``auto`` decided."""
         how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
         return resolve_auto_terms(scenes, **how, device=self.device)
-
-    def solve_deciding_auto_terms(
-        self, scenes: Scenes | Sequence[Scene]
-    ) -> tuple[Scenes | Sequence[Scene], dict[int, Solution]]:
-        """The same, with the solutions that were needed for it and hold the tolerance, by row."""
-        how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
-        return resolve_and_solve_auto_terms(
-            scenes, **how, tolerance=self.tolerance, device=self.device
-        )
 
 
 def device_of_config(config: FilmSections, *, option: str | None = None) -> Device:

@@ -16,7 +16,7 @@ from squeezefilm.film.positions import POLAR_COLUMNS, cartesian_from_polar, colu
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.symmetry import DirectionSector
-from squeezefilm.film.validity import check_scene, check_scenes
+from squeezefilm.film.validity import check_pad_fits, check_scene, check_scenes
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, read_measurements
 
@@ -97,15 +97,11 @@ def check_study(config: Study) -> Study:
     Raises InputError naming the section and the point that has no physical meaning.
     """
     with prefix_errors(config.path):
-        config.read_pad()
+        check_pad_fits(config.read_pad(), config.actuator.surface)
         if path := config.scan_path:
-            from squeezefilm.film.measured.read import read_scan
-            from squeezefilm.film.measured.smooth import check_points
+            from squeezefilm.film.measured.smooth import checked_scan_of_file
 
-            settings = config.smoothing_arguments
-            how = {key: settings.pop(key) for key in ("frequency_hz", "rows", "origin_m")}
-            scan = read_scan(path, **how)
-            check_points(scan, **settings)
+            checked_scan_of_file(path, **config.smoothing_arguments)
         profile = config.profile_for_planning()
     if config.measurements:
         measured_force_table(config, profile=profile)

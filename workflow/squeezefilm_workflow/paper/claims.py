@@ -3,9 +3,10 @@
 papers_claims.csv has what the paper claims, whether that is a result or a setting that a study
 takes from the paper, which size of a plan decides it, in which interval our
 value agrees with it, how our value is shown, and what a reader should know of it: texts in which
-the names in braces are values of the results. The intervals were set from what the paper states and
-with how many digits, and reviewed; nothing was tuned to make a claim agree. The reasons in
-``because`` are what we know; a guess is called a guess.
+the names in braces are values of the results. The intervals follow from what the paper states and
+with how many digits; no number of ours is fitted to it, but where it is silent the reading nearest
+to it was chosen (docs/explanation/paper.md). The reasons in ``because`` are what we know; a guess
+is called a guess.
 """
 
 import math

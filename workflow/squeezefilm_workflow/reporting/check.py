@@ -69,7 +69,7 @@ FIT_OF_DESIGN = {
     "four_factor": "four_factor",
     "four_factor_distinct": "four_factor",
 }
-BUDGET_COLUMNS_PATTERN = "(inertia|slip|thermal|edge_loss|modelling_error.*)_percent"
+BUDGET_COLUMNS_PATTERN = "(inertia|slip|thermal|edge_loss|edge_flow|modelling_error.*)_percent"
 COLUMNS_PATTERN_OF_RESULT = {
     "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET_COLUMNS_PATTERN}",
     "simulations/four_factor/error_budget": BUDGET_COLUMNS_PATTERN,
@@ -308,7 +308,8 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
     if failed:
         return (
             f"{failed} of {len(table)} quantities failed. Delete the first file that failed, from "
-            "which others may be made, and run again; where the change is intended, "
+            "which others may be made, and run again (`snakemake FILE --configfile STUDY.yaml` "
+            "makes it alone); where the change is intended, "
             f"`make reference STUDIES={study}` makes a new reference."
         )
     return f"All {len(table)} quantities passed."

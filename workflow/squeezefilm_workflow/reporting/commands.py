@@ -152,9 +152,11 @@ def recommend(options: argparse.Namespace) -> None:
     are those of `squeezefilm amplitude-for`. The study's candidates must be compared (`snakemake
     models`). The screen shows those of the plan's positions with the least and the largest
     amplitude; between them it may be larger. Errors are in per cent; the fit's file is for
-    `squeezefilm amplitude-for`. --output has all positions, and errors as fractions.
+    `squeezefilm amplitude-for`. --output has all positions, and errors as fractions. The exit
+    status is 1 where no amplitude below contact gives the target force.
     """
     from squeezefilm_workflow.reporting.models import (
+        missing_amplitude_text,
         recommendation_table,
         rows_of_extreme_amplitudes,
     )
@@ -163,6 +165,7 @@ def recommend(options: argparse.Namespace) -> None:
     table = recommendation_table(results)
     if table["model"].isna().all():
         raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
+    reason = missing_amplitude_text(table)
     if options.output is None:
         # On the screen the least and the largest amplitude of each space, and no wide columns.
         for name in ("validation_error", "worst_error"):
@@ -172,6 +175,8 @@ def recommend(options: argparse.Namespace) -> None:
     write_or_print_rows(table, options)
     for best in table.drop_duplicates("space").to_dict("records"):
         print(f"fit of {best['space']}: {results.candidate_fit_file(best['space'], best['model'])}")
+    if reason:
+        raise RunError(f"{options.results}: {reason}")
 
 
 @command(

@@ -11,8 +11,8 @@ from squeezefilm.quantities.pressure import gauge_pressure_and_change
 from squeezefilm.reynolds.device import Device
 
 POINTS_ALONG_X, TIMES_PER_PERIOD = 41, 16
-PRESSURE_TOLERANCE = 1e-4
-"""Of the largest pressure: a picture shows no more."""
+PRESSURE_TOLERANCE = 3e-3
+"""Of the largest pressure: a line of a picture is as wide."""
 
 
 def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:

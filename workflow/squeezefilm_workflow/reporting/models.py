@@ -240,6 +240,17 @@ def recommendation_table(results: Results) -> pd.DataFrame:
     return pd.DataFrame(rows or [dict.fromkeys(RECOMMENDATION_COLUMNS)])
 
 
+def missing_amplitude_text(table: pd.DataFrame) -> str:
+    """Return a sentence where no recommended model has an amplitude; empty where one has."""
+    first = table.iloc[0]
+    if pd.isna(first["model"]) or table["hv_m"].notna().any():
+        return ""
+    return (
+        f"no recommended model gives {first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm by "
+        "an amplitude below contact; choose a smaller extrapolation.force or extrapolation.h0"
+    )
+
+
 def rows_of_extreme_amplitudes(table: pd.DataFrame) -> pd.DataFrame:
     """Return of each space the position with the least and that with the largest amplitude.
 

@@ -27,7 +27,7 @@ from squeezefilm_workflow.reporting.pages import Page, html_of_markdown, render_
 from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
 
 EFFECT_COLUMN_STEMS = (
-    *("inertia", "slip", "thermal", "edge_loss"),
+    *("inertia", "slip", "thermal", "edge_loss", "edge_flow"),
     *("modelling_error_lower", "modelling_error_upper"),
 )
 NEGLIGIBLE_FRACTION = 1e-3

@@ -5,6 +5,7 @@ from squeezefilm.cli.main import main
 COMMAND_GROUPS = {
     "The solver examined": {
         "squeezefilm_workflow.verification.random_studies": "random-studies",
+        "squeezefilm_workflow.verification.edge_flow": "edge-flow",
         "squeezefilm_workflow.verification.modelling_errors": "modelling-errors auto-terms",
         "squeezefilm_workflow.verification.estimates": "estimates guards stored-films",
         "squeezefilm_workflow.verification.stability": "stability-plane",

@@ -1,14 +1,16 @@
-"""A film with all effects solved for together: inertia, thermal effects, slip, loss at the edge.
+"""A film with all effects solved for together: inertia, thermal effects, slip, flow at the edge.
 
 It shares the equations with the solver (squeezefilm/reynolds/terms: inertia, thermal) and nothing
 else: pressure, velocities and warming at collocation points in space, at all instants together.
 Derivatives are dense matrices, so that a disc's radius, a rectangle and an ellipse are sets of
 points (``points_of_scene``). At the edge
 
-    P = 1 − C (σ Re/24) u²    where gas comes in at a mean velocity u,    P = 1 where it goes out,
+    P = 1 + σ (h0/l) [R u/H + L ∂(H u)/∂T] − C (σ Re/24) u²,
 
-and gas that comes in has no velocity along the edge. Newton's steps are solved by GMRES, whose
-matrix is differentiated by complex steps, after one system in space for each harmonic.
+with the mean velocity u outward, the last term only where it is inward, and the resistance R and
+the inertance L of flow around the edge; gas that comes in has no velocity along the edge.
+Newton's steps are solved by GMRES, whose matrix is differentiated by complex steps, after one
+system in space for each harmonic.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,6 +25,7 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from squeezefilm.film.scene import Scene
+from squeezefilm.quantities.edge_effects import EDGE_RESISTANCE, edge_inertance
 from squeezefilm.reynolds.terms.rarefaction import FLOW_TABLE_PATH
 from squeezefilm_workflow.verification.marching import FloatArray, film_symmetry_in_x_and_y
 from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
@@ -222,12 +225,14 @@ class Effects:
         slip: none, that of first order by the gas' own coefficient, or by the flow factor, a
             table of the linearised Boltzmann equation (rarefied_flow.py).
         edge_loss_coefficient: C of the loss at the edge where gas comes in; 0 without.
+        edge_flow: with flow around the edge.
     """
 
     inertia: bool = True
     thermal: bool = True
     slip: Literal["none", "first-order", "flow-factor"] = "flow-factor"
     edge_loss_coefficient: float = 0.0
+    edge_flow: bool = False
 
 
 @dataclass(frozen=True)
@@ -266,10 +271,20 @@ class FilmOnPoints:
             / ((ratio + 1) * gas.prandtl)
             * scene.knudsen
             * (effects.slip != "none"),
+            **self._edge_flow_numbers(),
             "loss": effects.edge_loss_coefficient * reynolds * scene.sigma / 24,
             "reversing": FLOW_REVERSAL_VELOCITY
             * max(scene.epsilon, 1e-9)
             / sqrt(max(scene.sigma, 16.0)),
+        }
+
+    def _edge_flow_numbers(self) -> dict[str, float]:
+        scene = self.scene
+        per_velocity = scene.sigma * scene.h0_m / scene.pad.length_x_m * self.effects.edge_flow
+        inertance = scene.modified_reynolds * float(edge_inertance(scene))
+        return {
+            "resistance": per_velocity * EDGE_RESISTANCE,
+            "inertance": per_velocity * inertance,
         }
 
     def slip_length(self, mass: np.ndarray) -> np.ndarray:
@@ -337,6 +352,10 @@ class FilmOnPoints:
         inflow = np.where(out.real < 0, out, 0.0)
         inflow[corner[edge_rows]] = 0.0
         mass[edge_rows] = excess[edge_rows] + self.equation_numbers["loss"] * inflow**2
+        gap = self.gap[edge_rows]
+        around = self.equation_numbers["resistance"] * out / gap
+        around += self.equation_numbers["inertance"] * self.time_derivative(gap * out)
+        mass[edge_rows] -= np.where(corner[edge_rows, None], 0.0, around)
         if len(velocity) > 1:
             outflow_ratio = out / self.equation_numbers["reversing"]
             leaves = (1 + outflow_ratio / np.sqrt(1 + outflow_ratio**2)) / 2

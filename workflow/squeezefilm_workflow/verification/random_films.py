@@ -117,7 +117,7 @@ class RandomFilm:
     def _vibration_profile(self) -> Profile:
         kind, *coefficients = self.profile.split(" ")
         if kind == "zernike":
-            orders = SURFACE_DISC.orders_up_to(MAX_ZERNIKE_DEGREE, axisymmetric=False)
+            orders = SURFACE_DISC.orders_up_to(MAX_ZERNIKE_DEGREE)
             return ModeSum(orders, tuple(map(float, coefficients)), SURFACE_DISC)
         return Formula(self.profile, SURFACE_DISC, self.quadrature)
 
@@ -232,7 +232,7 @@ def _smooth_profile_formula(random: np.random.Generator) -> str:
 
 def _random_zernike_text(random: np.random.Generator) -> str:
     """Zernike modes as the smoothing of a scan has them: the finer the smaller."""
-    orders = SURFACE_DISC.orders_up_to(MAX_ZERNIKE_DEGREE, axisymmetric=False)
+    orders = SURFACE_DISC.orders_up_to(MAX_ZERNIKE_DEGREE)
     sizes = random.standard_normal(len(orders)) * [0.5 ** order[0] for order in orders]
     modes = ModeSum(orders, tuple(sizes), SURFACE_DISC)
     largest = largest_magnitude(

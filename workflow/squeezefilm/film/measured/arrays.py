@@ -1,6 +1,7 @@
-"""Named arrays of MATLAB and NumPy as the lines of a table: a name is a column's, with its unit."""
+"""Arrays as the lines of a table: named ones of MATLAB and NumPy, a matrix over a rectangle."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,9 @@ import numpy as np
 from squeezefilm.errors import InputError
 
 ARRAY_SUFFIXES = (".mat", ".npy", ".npz")
+MIN_MATRIX_COLUMNS = 8
+MATRIX_LINE_PATTERN = re.compile(r"[#%!\s]*(width|height|value units)\s*:\s*(.*?)\s*$", re.I)
+LENGTH_PATTERN = re.compile(r"([\d.,]+(?:e[-+]?\d+)?)\s*(\S+)", re.I)
 ARRAYS_FORMAT_TEXT = (
     "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
 )
@@ -31,6 +35,36 @@ def arrays_as_table_lines(path: Path) -> list[str]:
         raise InputError(f"a scan in such a file is {ARRAYS_FORMAT_TEXT}")
     texts = ([str(value).strip("()") for value in values] for values in columns.values())
     return ["\t".join(columns), *map("\t".join, zip(*texts, strict=True))]
+
+
+def matrix_as_table_lines(lines: Sequence[str]) -> tuple[list[str], list[str]]:
+    """A matrix below lines that say its size, as Gwyddion writes it, as a table, and a note.
+
+    The lines themselves, and no note, of another file.
+    """
+    told = {match[1].lower(): match[2] for match in map(MATRIX_LINE_PATTERN.match, lines) if match}
+    body = [line.strip() for line in lines if re.match(r"\s*[^\s#%!]", line)]
+    rows = [re.split(r"[\s;]+", line) for line in body if re.match(r"[-+.\d]|nan", line, re.I)]
+    counts = {*map(len, rows)}
+    sizes = [LENGTH_PATTERN.fullmatch(told.get(side, "")) for side in ("width", "height")]
+    is_matrix = len(rows) == len(body) and len(counts) == 1 and min(counts) >= MIN_MATRIX_COLUMNS
+    if None in sizes or "value units" not in told or not is_matrix:
+        return list(lines), []
+    (width, x_unit), (height, y_unit) = (
+        (float(size[1].replace(",", ".")), size[2]) for size in sizes if size
+    )
+    columns = len(rows[0])
+    table = [f"x [{x_unit}]\ty [{y_unit}]\tamplitude [{told['value units']}]"]
+    table += [
+        f"{width * (column + 0.5) / columns:.9g}\t{height * y:.9g}\t{cell}"
+        for y, cells in zip(1 - (np.arange(len(rows)) + 0.5) / len(rows), rows, strict=True)
+        for column, cell in enumerate(cells)
+    ]
+    note = (
+        f"a matrix of {len(rows)} × {columns} values is read at the middles of its cells, from a "
+        "corner, its first row at the largest y"
+    )
+    return table, [note]
 
 
 def _arrays_by_name(path: Path) -> Mapping[str, Any]:

@@ -15,6 +15,8 @@ from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
 
 COMPLEX_PATTERN = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
+PAIR_PATTERN = re.compile(r"\(\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*\)")
+"""A complex number as C++, Fortran and Octave write it: ``(1.2,-0.3)``."""
 IMAGINARY_UNIT_PATTERN = re.compile(r"\*?(?:[ijI]|im)$")
 MISSING_PATTERN = re.compile(
     r"|-|--|na|n\.?/?a\.?|k\.a\.|null|none|not available"
@@ -35,6 +37,11 @@ def unit_behind_number(cell: str) -> str:
 
 def is_missing(cell: str) -> bool:
     return bool(MISSING_PATTERN.fullmatch(cell.strip()))
+
+
+def has_complex_pairs(cells: pd.Series) -> bool:
+    """Tell whether cells are complex numbers in the form ``(1.2,-0.3)``."""
+    return bool(cells.str.fullmatch(PAIR_PATTERN).any())
 
 
 def parse_numbers(cells: pd.Series) -> pd.Series:
@@ -68,6 +75,9 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         cells = cells.mask(
             with_unit, cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
         )
+    if name == "amplitude" and has_complex_pairs(cells):
+        cells = cells.str.replace(PAIR_PATTERN, r"\1+\2i", regex=True)
+        cells = cells.str.replace(r"\+(?=[-+])", "", regex=True)
     cells = _without_thousands_separators(cells)
     comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
     if comma.any() and point.any():

@@ -20,7 +20,11 @@ import numpy as np
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_text
-from squeezefilm.film.measured.scan import MAX_MODE_DISTANCE_FRACTION, nearest_spectral_line
+from squeezefilm.film.measured.scan import (
+    MAX_FREQUENCY_OFFSET_FRACTION,
+    MAX_MODE_DISTANCE_FRACTION,
+    nearest_spectral_line,
+)
 from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
 from squeezefilm.units import unit_sizes
 
@@ -73,8 +77,12 @@ OVER_DRIVE_PATTERN = re.compile(
     r"(?:(?<=[sg²2])\s*/\s*v|\s*/\s*(?:n|lbf))(?=[\s\])]*\Z)", re.IGNORECASE
 )
 """The voltage or force that a response is over; m/V alone may be a decoder's scale."""
-LEADING_FREQUENCY_PATTERN = re.compile(r"\A\W*(\d+(?:\.\d*)?)\s*([kM]?Hz)\b(?=.*\w)", re.IGNORECASE)
-"""The same before a name: ``43270 Hz Magnitude``."""
+FREQUENCY_IN_NAME_PATTERN = re.compile(
+    r"(?:\A\W*|(?<=\w)[\s_]+(?:at\s+|bei\s+)?)(\d+(?:[.,]\d*)?)\s*([kM]?Hz)\b", re.IGNORECASE
+)
+"""The same in a name: ``43270 Hz Magnitude``, ``Amplitude 43.27 kHz [um]``."""
+FREQUENCY_NAME_PATTERN = re.compile(r"\W*\d+(?:[.,]\d*)?\s*[kM]?Hz\b\s*(|[\[(].*)", re.IGNORECASE)
+"""The same as the whole name, but for a unit in brackets."""
 DECIBELS_PATTERN = re.compile(
     r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*"
     r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*(?: \S+)?)"
@@ -120,7 +128,7 @@ class ScanColumn:
     ``amplitude_factor`` is the amplitude over what the column has: √2 for effective values.
     ``power`` is that of the angular frequency by which a motion in the unit is larger than a
     displacement, and ``omega_power_of_name`` the same by the column's words, None if they do not
-    say. In ``in_decibels`` the size is the reference's.
+    say. In ``in_decibels`` the size is the reference's. A component of a vector ``is_signed``.
     """
 
     quantity: str
@@ -132,6 +140,7 @@ class ScanColumn:
     power: int = 0
     omega_power_of_name: int | None = None
     in_decibels: bool = False
+    is_signed: bool = False
 
     @property
     def usual_unit(self) -> str:
@@ -142,9 +151,9 @@ class ScanColumn:
     def frequency_hz(self) -> float | None:
         """The frequency that the name says, if any: ``w (um) @ freq=43270``."""
         if match := (
-            AT_FREQUENCY_PATTERN.search(self.name) or LEADING_FREQUENCY_PATTERN.search(self.name)
+            AT_FREQUENCY_PATTERN.search(self.name) or FREQUENCY_IN_NAME_PATTERN.search(self.name)
         ):
-            return float(match[1]) * FREQUENCY_UNITS_HZ.get(match[2].lower(), 1.0)
+            return float(match[1].replace(",", ".")) * FREQUENCY_UNITS_HZ.get(match[2].lower(), 1.0)
         return None
 
 
@@ -172,7 +181,9 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
 
 def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
-    cell = OVER_DRIVE_PATTERN.sub("", LEADING_FREQUENCY_PATTERN.sub("", name))
+    if FREQUENCY_NAME_PATTERN.fullmatch(name):
+        return None
+    cell = OVER_DRIVE_PATTERN.sub("", FREQUENCY_IN_NAME_PATTERN.sub("", name))
     cell = RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", cell)
     for words, unit in possible_words_and_units(cell, ALL_UNITS):
         words, ratio = _split_amplitude_factor(words)
@@ -239,7 +250,9 @@ def select_columns(
     if "normal" in {column.quantity for column in named}:
         named = [column for column in named if column.quantity != other]
     named = [
-        replace(column, quantity="amplitude") if column.quantity == "normal" else column
+        replace(column, quantity="amplitude", is_signed=_is_vector_component(column.name, header))
+        if column.quantity == "normal"
+        else column
         for column in named
     ]
     if "amplitude" in wanted and {"amplitude", "normal"} & usable:
@@ -258,6 +271,18 @@ def select_columns(
                 f"{column.name!r}; leave one of them out"
             )
     return dict(sorted(columns.items(), key=lambda each: each[1].column_index)), notes
+
+
+def _is_vector_component(name: str, header: Sequence[str]) -> bool:
+    """Tell whether a column is z of a vector whose magnitude is another: ``u:2``, ``u_Magnitude``.
+
+    A vector of amplitudes, by its name, has no signs.
+    """
+    match = re.match(r"(.+)[:_]2(?!\d)", fold_accents(name))
+    if not match or {*re.split(r"[\W_]+", match[1])} & {*WORDS_OF_MEANING["amplitude"]}:
+        return False
+    magnitude = re.compile(re.escape(match[1]) + "[:_]magnitude")
+    return any(magnitude.match(fold_accents(other)) for other in header)
 
 
 def _is_labview_x_value(column: ScanColumn) -> bool:
@@ -285,7 +310,18 @@ def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> l
         if each.quantity == "level"
     ]
     means = [replace(each, quantity="amplitude") for each in named if each.quantity == "mean"]
-    return named + (letters or means or levels)
+    lines = [each for at, name in enumerate(header) if (each := _motion_at_frequency(name, at))]
+    return named + (letters or means or levels or lines)
+
+
+def _motion_at_frequency(name: str, place: int) -> ScanColumn | None:
+    """The motion or the phase that is called by its frequency: ``29.8 kHz [um]``."""
+    match = FREQUENCY_NAME_PATTERN.fullmatch(name)
+    if not match:
+        return None
+    ways = [scan_column_of_cell(f"{quantity} {match[1]}", place) for quantity in AMPLITUDE_UNITS]
+    known = [column for column in ways if column and (column.size or column is ways[0])]
+    return replace(known[-1] if known[-1].quantity == "phase" else known[0], name=name)
 
 
 def _motion_column_of_letter(name: str, place: int) -> ScanColumn | None:
@@ -350,7 +386,7 @@ def _suggested_names(columns: Collection[ScanColumn], before: str = "") -> str:
     stems = [
         re.sub(r"\W*\bdb.*|\s*[\[(][^\[(]*[\])]\s*$", "", each.name, flags=re.IGNORECASE)
         if each.unit
-        else each.name
+        else re.sub(r"\s*\[[^\[]*\]$", "", each.name)
         for each in columns
     ]
     return ", ".join(
@@ -371,7 +407,9 @@ def _columns_at_frequency(
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
     if far and several:
         raise InputError(f"the columns' frequencies: {far}")
-    if abs(line_hz / frequency_hz - 1) > MAX_MODE_DISTANCE_FRACTION:
+    of_model = any(AT_FREQUENCY_PATTERN.search(each.name) for each in named)
+    most = MAX_MODE_DISTANCE_FRACTION if of_model else MAX_FREQUENCY_OFFSET_FRACTION
+    if abs(line_hz / frequency_hz - 1) > most:
         raise InputError(
             f"the columns are at {line_hz:.7g} Hz, and the actuator vibrates at "
             f"{frequency_hz:.7g} Hz (actuator.frequency)"
@@ -380,8 +418,8 @@ def _columns_at_frequency(
     return kept, [f"columns at {line_hz:.7g} Hz"]
 
 
-def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[str]:
-    """A header with the units of the line below it; itself if that line is not of units.
+def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[str] | None:
+    """A header with the units of the line below it; None if that line is not of units.
 
     It is one if some cells are known units, and none a number: one that is not known is named in a
     message if its column is needed.
@@ -390,14 +428,30 @@ def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[s
         re.sub(r"[\[\]()]", "", normalised_unit(OVER_DRIVE_PATTERN.sub("", cell))) for cell in cells
     ]
     if not {*units} & ALL_UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
-        return list(header)
-    units += [""] * (len(header) - len(units))
+        return None
     return [
-        f"{name} [{cell.strip(' []()')}]"
-        if unit in ALL_UNITS or (unit.strip("-") and scan_column_of_cell(name))
-        else name
+        _name_with_unit(name, unit, cell.strip(" []()"))
         for name, unit, cell in zip_longest(header, units, cells, fillvalue="")
     ]
+
+
+def _name_with_unit(name: str, unit: str, cell: str) -> str:
+    """A column's name with the unit of a cell, unless it has one that is known.
+
+    Raises:
+        InputError: where the two are known and differ.
+    """
+    own = scan_column_of_cell(name) or _motion_column_of_letter(name, 0)
+    of_motion = scan_column_of_cell(f"amplitude [{cell}]")
+    told = of_motion.size * of_motion.amplitude_factor if of_motion and of_motion.size else None
+    is_known = told is not None or unit in ALL_UNITS
+    if own and own.size and own.unit:
+        if is_known and unit != own.unit and told != own.size * own.amplitude_factor:
+            raise InputError(
+                f"{name!r} has another unit in the line of units: {cell!r}; leave one of them out"
+            )
+        return name
+    return f"{name} [{cell}]" if is_known or (unit.strip("-") and own) else name
 
 
 def _is_number(cell: str) -> bool:

@@ -8,7 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
-from squeezefilm.film.measured.scan import MIN_SCAN_POINTS, SAME_POSITION_DISTANCE_M, Scan
+from squeezefilm.film.measured.scan import (
+    MIN_SCAN_POINTS,
+    NO_REMEDIES,
+    SAME_POSITION_DISTANCE_M,
+    PointRemedies,
+    Scan,
+)
 from squeezefilm.film.measured.table import read_table
 from squeezefilm.film.measured.universal import read_universal_file
 
@@ -21,6 +27,7 @@ def read_scan(
     frequency_hz: float | None = None,
     rows: str = "",
     origin_m: tuple[float, float] = (0.0, 0.0),
+    remedies: PointRemedies = NO_REMEDIES,
 ) -> Scan:
     """Read a vibrometer's file.
 
@@ -30,6 +37,7 @@ def read_scan(
         rows: ``COLUMN = VALUE`` of the rows that are taken from a table with several measurements,
             with semicolons between several conditions; ``mode = NUMBER`` of a universal file.
         origin_m: where the surface's centre is in the file's coordinates.
+        remedies: what else the points need, to be told in the first message.
 
     Raises:
         InputError: naming the file and the row or column that is wrong, and what is allowed.
@@ -38,10 +46,10 @@ def read_scan(
     if not path.exists():
         raise InputError(f"{path}: there is no such scan")
     with prefix_errors(path):
-        reader = (
-            read_universal_file if path.suffix.lower() in UNIVERSAL_FILE_SUFFIXES else read_table
-        )
-        scan = reader(path, frequency_hz, rows)
+        if path.suffix.lower() in UNIVERSAL_FILE_SUFFIXES:
+            scan = read_universal_file(path, frequency_hz, rows)
+        else:
+            scan = read_table(path, frequency_hz, rows, remedies)
     x_m, y_m = scan.x_m - origin_m[0], scan.y_m - origin_m[1]
     on_axis = any(np.all(np.abs(each) < SAME_POSITION_DISTANCE_M) for each in (x_m, y_m))
     is_radial = scan.is_radial or on_axis

@@ -46,6 +46,22 @@ class Scan:
     origin_m: tuple[float, float] = (0.0, 0.0)
 
 
+@dataclass(frozen=True)
+class PointRemedies:
+    """Texts of messages on the points of a file, "" where the study has settled the question.
+
+    ``on_line`` is of points on a line, ``on_one_side`` of points all on one side of the centre,
+    ``unsigned`` of amplitudes that have neither phase nor sign.
+    """
+
+    on_line: str = ""
+    on_one_side: str = ""
+    unsigned: str = ""
+
+
+NO_REMEDIES = PointRemedies()
+
+
 def list_text(places: Sequence[object]) -> str:
     """Places in a file, or values, the first of many."""
     return ", ".join(map(str, places[:MAX_LISTED_ITEMS])) + ", …" * (len(places) > MAX_LISTED_ITEMS)

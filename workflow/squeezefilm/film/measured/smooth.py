@@ -23,6 +23,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, is_dataclass, replace
+from decimal import Decimal
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
@@ -33,9 +34,9 @@ from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
 from squeezefilm.files import atomic_file, file_digest
 from squeezefilm.film.measured.centre import centre_of_symmetry
 from squeezefilm.film.measured.read import read_scan
-from squeezefilm.film.measured.scan import SAME_POSITION_DISTANCE_M, Scan
+from squeezefilm.film.measured.scan import SAME_POSITION_DISTANCE_M, PointRemedies, Scan
 from squeezefilm.film.profiles import ModeSum, largest_magnitude
-from squeezefilm.film.surfaces import ModeOrders, Surface
+from squeezefilm.film.surfaces import Disc, ModeOrders, Rectangle, Surface
 
 MAX_MODE_DEGREE = 24
 # The fewest points per mode that cross-validation looks at, and for degrees above its best one.
@@ -69,6 +70,11 @@ MAX_OVERSHOOT_RATIO = 1.05
 PEAK_BIAS_DRAW_COUNT, PEAK_BIAS_SEED = 200, 1
 # A place may be the largest if it is lower by no more than this many standard errors.
 RIVAL_PEAK_STANDARD_ERRORS = 2.0
+UNSIGNED_PROBLEM = (
+    "the amplitudes have no phase and no sign: across a node line they would be those of another "
+    "surface. Give a column phase_deg or sign, or say actuator.profile.sign: unknown if the "
+    "surface has no node line"
+)
 UNSIGNED_WARNING = (
     "the scan has no phase or sign: all amplitudes are taken to one side, and over a node line the "
     "force is that of another surface, which no error here contains"
@@ -76,7 +82,11 @@ UNSIGNED_WARNING = (
 # A scan of a smaller share of its surface's radius or half side has another unit, if it fits then;
 # and by how much points may miss a surface that is only to be told.
 MIN_SCAN_EXTENT_FRACTION, EXTENT_TOLERANCE_FRACTION = 0.1, 0.03
-EDGE_TOLERANCE_FRACTION = 1e-6
+# Points on the edge may lie beyond it by so much, or by the last digit of coordinates up to more.
+EDGE_TOLERANCE_FRACTION, MAX_EDGE_TOLERANCE_FRACTION = 1e-3, 0.01
+ROUND_OFF_FRACTION = 1e-6
+# Digits of a coordinate that are not of its conversion to metres.
+COORDINATE_DIGITS = 12
 # Origins are proposed in steps of so much.
 ORIGIN_STEP_M = 1e-6
 # About the middle of their extents, which may be off by half their distance, they miss it by more.
@@ -192,8 +202,30 @@ def smoothed_scan_of_file(
 
     Raises InputError naming the file, and the place of the error or the undetermined region.
     """
-    scan = read_scan(path, frequency_hz=frequency_hz, rows=rows, origin_m=origin_m)
+    scan = checked_scan_of_file(
+        path, frequency_hz=frequency_hz, rows=rows, origin_m=origin_m, **settings
+    )
     return smooth_scan(scan, **settings)
+
+
+def checked_scan_of_file(
+    path: Path,
+    *,
+    frequency_hz: float | None = None,
+    rows: str = "",
+    origin_m: tuple[float, float] = (0.0, 0.0),
+    **settings: Any,
+) -> Scan:
+    """The points of a scan's file, which ``smooth_scan`` may make a profile of by the settings.
+
+    Raises InputError naming all that the file or the settings need for it.
+    """
+    remedies = point_remedies(origin_m=origin_m, **settings)
+    scan = read_scan(
+        path, frequency_hz=frequency_hz, rows=rows, origin_m=origin_m, remedies=remedies
+    )
+    check_points(scan, **settings)
+    return scan
 
 
 def smooth_scan(
@@ -201,22 +233,25 @@ def smooth_scan(
     *,
     surface: Surface,
     axisymmetric: bool,
+    along: str = "",
     sign: str = "measured",
     scale: str = "surface",
 ) -> SmoothedScan:
     """The smooth profile of a scan on a surface.
 
     Args:
+        along: on a rectangle the coordinate, x or y, that the shape depends on alone.
         sign: ``unknown`` takes amplitudes without phase or sign to one side; ``measured`` rejects
             them.
         scale: whether the maximum is that on the whole ``surface``, or at the ``measured`` points.
 
     Raises InputError naming the file, and what its points do not determine.
     """
-    check_points(scan, surface, axisymmetric=axisymmetric, sign=sign)
-    scan = replace(scan, notes=(*scan.notes, *_origin_note(scan, surface)))
+    check_points(scan, surface=surface, axisymmetric=axisymmetric, along=along, sign=sign)
+    notes = (*_edge_note(scan, surface), *_origin_note(scan, surface))
+    scan = replace(scan, notes=(*scan.notes, *notes))
     scan = limit_point_count(average_repeated_points(scan))
-    points = ScanPoints(surface, axisymmetric, scan.x_m, scan.y_m)
+    points = ScanPoints(surface, "r" if axisymmetric else along, scan.x_m, scan.y_m)
     # Re u e^(iωt) is both parts' s₁ sin T + s₂ cos T with T = ωt + π/2.
     measured = _turned_to_main_phase(scan.amplitude_m)
     quadrature = math.sqrt(float(np.mean(measured.imag**2) / np.mean(np.abs(measured) ** 2)))
@@ -250,10 +285,8 @@ def smooth_scan(
         scan = replace(scan, notes=(*scan.notes, *note))
     bias_m = min(_peak_bias_m(fit, noise_m, scale_modes), MAX_PROFILE_ERROR * peak_m)
     peak_m -= bias_m
-    if axisymmetric and not scan.is_radial:
-        scan = replace(
-            scan, notes=(*scan.notes, *angular_variation_note(points, measured.real, fit))
-        )
+    if points.coordinate and not scan.is_radial:
+        scan = replace(scan, notes=(*scan.notes, *other_variation_note(points, measured.real, fit)))
     result = SmoothedScan(
         scan=scan,
         profile=replace(scaled_profile_of_fit(fit, peak_m), largest_magnitude=largest_m / peak_m),
@@ -267,7 +300,7 @@ def smooth_scan(
         outlier_mask=~kept,
         peak_search_modes=scale_modes,
     )
-    _reject_undetermined_profile(result, axisymmetric=axisymmetric)
+    _reject_undetermined_profile(result, coordinate=points.coordinate)
     return result
 
 
@@ -276,13 +309,13 @@ class ScanPoints:
     """Measurement points of a scan.
 
     Attributes:
-        axisymmetric: whether modes have no angles.
+        coordinate: r, x or y, that modes depend on alone; "" if on two.
         x_m, y_m: the points, shape (points,).
         wave_ratio: of the family of modes (surfaces.py).
     """
 
     surface: Surface
-    axisymmetric: bool
+    coordinate: str
     x_m: np.ndarray
     y_m: np.ndarray
     wave_ratio: float = 1.0
@@ -305,7 +338,7 @@ class ScanPoints:
         return self.surface.orders_up_to(
             degree,
             degrees_more=degrees_more,
-            axisymmetric=self.axisymmetric,
+            coordinate=self.coordinate,
             wave_ratio=self.wave_ratio,
         )
 
@@ -315,7 +348,7 @@ class ScanPoints:
 
         Those of a degree come before those of the next.
         """
-        degrees = range(0, MAX_MODE_DEGREE + 1, 2 if self.axisymmetric else 1)
+        degrees = range(0, MAX_MODE_DEGREE + 1, 2 if self.coordinate == "r" else 1)
         every = {n: self.orders_up_to(n) for n in degrees}
         enough = len(self.x_m) / MIN_POINTS_PER_MODE
         return {n: orders for n, orders in every.items() if len(orders) <= enough}
@@ -429,19 +462,24 @@ def _modes_with_extra_degrees(
     return 0, orders, *np.linalg.qr(points.mode_values(orders))
 
 
-def angular_variation_note(points: ScanPoints, measured: np.ndarray, fit: ModeFit) -> list[str]:
-    """A note where a profile with angles leaves far less."""
+def other_variation_note(points: ScanPoints, measured: np.ndarray, fit: ModeFit) -> list[str]:
+    """A note where a profile of two coordinates leaves far less."""
     subset = slice(None, None, -(-len(measured) // MAX_POINTS_FOR_ANGLE_CHECK))
     try:
         free = best_mode_fit(
-            replace(points.subset_of_points(subset), axisymmetric=False), measured[subset]
+            replace(points.subset_of_points(subset), coordinate=""), measured[subset]
         )
     except InputError:  # too few points for angles
         return []
     ratio = free.leave_one_out_error / fit.leave_one_out_error
+    what, remedy = (
+        ("is not axisymmetric: a profile with angles leaves", "say {}axisymmetric: false")
+        if points.coordinate == "r"
+        else ("varies across too: a profile of x and y leaves", "leave {}along out")
+    )
     return [
-        f"the scan is not axisymmetric: a profile with angles leaves {ratio:.2g} of what this one "
-        "does, and no noise or error here holds; say actuator.profile.axisymmetric: false"
+        f"the scan {what} {ratio:.2g} of what this one does, and no noise or error here holds; "
+        f"{remedy.format('actuator.profile.')}"
     ] * (ratio <= MAX_RESIDUAL_RATIO_WITH_ANGLES)
 
 
@@ -463,25 +501,60 @@ def extrapolated_maximum_note(
     ] * bool(less_known or largest_m > MAX_OVERSHOOT_RATIO * measured_m)
 
 
+def point_remedies(
+    *,
+    surface: Surface,
+    axisymmetric: bool,
+    along: str = "",
+    sign: str = "measured",
+    origin_m: tuple[float, float] = (0.0, 0.0),
+    scale: str = "surface",
+) -> PointRemedies:
+    """Return the texts on what a study must settle about points, "" where it has."""
+    settled = axisymmetric or bool(along)
+    return PointRemedies(
+        on_line=surface.line_scan_problem * (not settled),
+        on_one_side=(
+            "its points lie on one side of x = 0 or y = 0: if they are a part of the surface, "
+            f"{surface.whole_of_part}; if they are all of it, say where its centre is by "
+            "actuator.profile.origin"
+        )
+        * (not settled and origin_m == (0.0, 0.0)),
+        unsigned=UNSIGNED_PROBLEM * (sign != "unknown"),
+    )
+
+
 def check_points(
-    scan: Scan, surface: Surface, *, axisymmetric: bool, sign: str, scale: str = "surface"
+    scan: Scan,
+    *,
+    surface: Surface,
+    axisymmetric: bool,
+    along: str = "",
+    sign: str = "measured",
+    scale: str = "surface",
 ) -> None:
     """Reject a scan with a point off the surface, or whose coordinates or signs are too few."""
     reach = surface.relative_distance(scan.x_m, scan.y_m)
-    problems = [
-        "the amplitudes have no phase and no sign: across a node line they would be those of "
-        "another surface. Give a column phase_deg or sign, or say actuator.profile.sign: "
-        "unknown if the surface has no node line"
-    ] * (not scan.has_phase_or_sign and sign != "unknown")
-    problems += [surface.line_scan_problem] * (scan.is_radial and not axisymmetric)
+    remedies = point_remedies(surface=surface, axisymmetric=axisymmetric, along=along, sign=sign)
+    problems = [remedies.unsigned * (not scan.has_phase_or_sign)]
+    at_m = {"x": scan.x_m, "y": scan.y_m}
+    on_line = scan.is_radial or (
+        isinstance(surface, Rectangle)
+        and min(map(np.ptp, at_m.values())) < SAME_POSITION_DISTANCE_M
+    )
+    problems += [remedies.on_line * bool(on_line)]
+    problems += [
+        f"the points do not lie along {along} (actuator.profile.along); name their column {along}"
+    ] * bool(along and not np.ptp(at_m[along]) > SAME_POSITION_DISTANCE_M)
     problems += [
         f"line {scan.lines[row]}: the point lies "
         f"{surface.position_text(scan.x_m[row], scan.y_m[row])}, off the actuator's "
         f"{surface.text} ({surface.config_key}){_fitting_origin_or_unit_note(scan, surface)}"
-        for row in np.flatnonzero(reach > 1 + EDGE_TOLERANCE_FRACTION)[:1]
+        for row in [np.argmax(reach)]
+        if reach[row] > 1 + edge_tolerance(scan, surface)
     ]
-    if problems:
-        raise InputError(f"{scan.path}: {'; and '.join(problems)}")
+    if any(problems):
+        raise InputError(f"{scan.path}: {'; and '.join(filter(None, problems))}")
     if (
         hint := _fitting_origin_or_unit_note(scan, surface)
         if reach.max() < MIN_SCAN_EXTENT_FRACTION
@@ -491,6 +564,29 @@ def check_points(
             f"{scan.path}: all points lie at the centre of the {surface.text} "
             f"({surface.config_key}){hint}"
         )
+
+
+def edge_tolerance(scan: Scan, surface: Surface) -> float:
+    """Relative distance by which points on the edge may lie beyond it: by their last digit."""
+    drawn, last_digit_m = slice(None, None, -(-len(scan.x_m) // MAX_POINTS_FOR_ANGLE_CHECK)), 0.0
+    for at_m in (scan.x_m + scan.origin_m[0], scan.y_m + scan.origin_m[1]):
+        largest = Decimal(np.abs(at_m).max()).adjusted() if np.any(at_m) else -np.inf
+        written = [Decimal(f"{value:.{COORDINATE_DIGITS}g}").normalize() for value in at_m[drawn]]
+        # The largest has as many digits as any: zeros at the end are not always written.
+        digit_count = max(len(value.as_tuple().digits) for value in written)
+        last_digit_m = max(last_digit_m, 10.0 ** (largest - digit_count + 1))
+    own = last_digit_m / min(surface.half_extents_m)
+    return min(max(own, EDGE_TOLERANCE_FRACTION), MAX_EDGE_TOLERANCE_FRACTION)
+
+
+def _edge_note(scan: Scan, surface: Surface) -> list[str]:
+    """A note on points beyond the edge, by no more than ``edge_tolerance``."""
+    beyond = surface.relative_distance(scan.x_m, scan.y_m) - 1
+    count, most_um = int(np.sum(beyond > ROUND_OFF_FRACTION)), 1e6 * min(surface.half_extents_m)
+    return [
+        f"{count} points up to {most_um * beyond.max():.2g} µm beyond the edge "
+        f"({surface.config_key}) are taken for rounded ones on it"
+    ] * bool(count)
 
 
 def _fitting_origin_or_unit_note(scan: Scan, surface: Surface) -> str:
@@ -527,12 +623,15 @@ def _fitting_origin_note(scan: Scan, surface: Surface) -> str:
         x_m, y_m = origin_m - scan.origin_m
         beyond = surface.relative_distance(scan.x_m - x_m, scan.y_m - y_m).max() - 1
         origin_text = "[" + ", ".join(f"{1e3 * each:.6g} mm" for each in origin_m) + "]"
-        if beyond <= EDGE_TOLERANCE_FRACTION:
+        if beyond <= edge_tolerance(scan, surface):
             return f"; all lie on it with actuator.profile.origin: {origin_text}, {text}"
+    own_beyond = surface.relative_distance(scan.x_m, scan.y_m).max() - 1
+    if own_beyond <= min(MIDDLE_TOLERANCE_FRACTION, beyond + EXTENT_TOLERANCE_FRACTION):
+        return f"; if it ends there, say {surface.enclosing_text(scan.x_m, scan.y_m)}"
     if beyond <= EXTENT_TOLERANCE_FRACTION:
         return (
             f"; about the middle of their extents, {origin_text}, they reach beyond it by "
-            f"{beyond:.1%}: correct {surface.config_key} too"
+            f"{beyond:.1%}: say {surface.enclosing_text(scan.x_m - x_m, scan.y_m - y_m)} too"
         )
     return ""
 
@@ -547,7 +646,9 @@ def _centre_of_symmetry(
     scan = limit_point_count(average_repeated_points(replace(scan, x_m=x_m, y_m=y_m)))
     measured = _turned_to_main_phase(scan.amplitude_m).real
     try:
-        fit = best_mode_fit(ScanPoints(surface, scan.is_radial, scan.x_m, scan.y_m), measured)
+        of_radius = scan.is_radial and isinstance(surface, Disc)
+        points = ScanPoints(surface, "r" * of_radius, scan.x_m, scan.y_m)
+        fit = best_mode_fit(points, measured)
     except InputError:
         return None
     return centre_of_symmetry(scan.x_m, scan.y_m, measured, surface, fit.orders)
@@ -705,13 +806,16 @@ def _peak_bias_m(fit: ModeFit, noise_m: float, modes: np.ndarray) -> float:
     return max(float(with_noise - largest + among_equals) / 2, 0.0)
 
 
-def _reject_undetermined_profile(smoothed: SmoothedScan, *, axisymmetric: bool) -> None:
+def _reject_undetermined_profile(smoothed: SmoothedScan, *, coordinate: str) -> None:
     """Reject a profile that the scan does not determine somewhere on the surface."""
     scan, surface = smoothed.scan, smoothed.profile.surface
     x_m, y_m, _ = surface.net_points_and_weights()
     measured, net_points = (scan.x_m + 1j * scan.y_m)[~smoothed.outlier_mask], x_m + 1j * y_m
-    if axisymmetric:  # a point stands for the circle through it
-        measured, net_points = np.abs(measured) + 0j, np.abs(net_points) + 0j
+    if coordinate:  # a point stands for the circle or the line through it
+        measured, net_points = (
+            np.asarray({"r": np.abs(at), "x": at.real, "y": at.imag}[coordinate], dtype=complex)
+            for at in (measured, net_points)
+        )
     distance = np.array(
         [np.abs(np.subtract.outer(row, measured)).min(axis=1) for row in net_points]
     )
@@ -735,8 +839,8 @@ def _reject_undetermined_profile(smoothed: SmoothedScan, *, axisymmetric: bool) 
         for each, half in zip((scan.x_m, scan.y_m), surface.half_extents_m, strict=True)
     ]
     part = f"; of a model of a half or a quarter {surface.whole_of_part}" * any(sides)
-    if axisymmetric:
-        named[0] = f"r = {net_points[hole].real * 1e3:.2f} mm"
+    if coordinate:
+        named[0] = f"{coordinate} = {net_points[hole].real * 1e3:.2f} mm"
     raise_first_problem(
         scan.path,
         {

@@ -26,16 +26,23 @@ import contextlib
 import csv
 import io
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES, arrays_as_table_lines
+from squeezefilm.film.measured.arrays import (
+    ARRAY_SUFFIXES,
+    arrays_as_table_lines,
+    matrix_as_table_lines,
+)
 from squeezefilm.film.measured.cells import (
     distinct_values_text,
+    has_complex_pairs,
     is_missing,
     normalise_cells,
     parse_numbers,
@@ -58,7 +65,9 @@ from squeezefilm.film.measured.columns import (
 from squeezefilm.film.measured.scan import (
     FREQUENCY_NEEDED_MESSAGE,
     MIN_SCAN_POINTS,
+    NO_REMEDIES,
     SAME_POSITION_DISTANCE_M,
+    PointRemedies,
     Scan,
     angular_frequency,
     list_text,
@@ -79,9 +88,6 @@ SCAN_FORMAT_TEXT = (
     "amplitude_um"
 )
 
-LINE_HINT_TEXT = (
-    "points on a line need actuator.profile.axisymmetric: true too, if the shape is axisymmetric"
-)
 # Points of a half or a quarter reach so far beyond the axis, as a share of their extent.
 MAX_PART_OVERLAP_FRACTION = 0.05
 
@@ -124,9 +130,21 @@ REMEDY_OF_TEXT_PATTERN = {
     r"(?m)^% Grid\s*$": "a grid of COMSOL's; export with the data format Spreadsheet",
     r"(?m)^\s*VARIABLES\s*=": "a Tecplot file; in place of the lines above the numbers write one "
     "that names the columns, such as x_mm y_mm amplitude_um",
+    r"\A# Created by Octave": "variables that Octave saved, one below the other; save them with "
+    "'-v7' as named columns (.mat), or write one table such as x_mm y_mm amplitude_um, a row for "
+    "each point",
     r"\AIGOR\s": "an Igor text file; save the waves as delimited text",
 }
 """What such files of text contain, by patterns, and what to do with them."""
+# A component of one sign is sure not to be rectified if it is nowhere less than so much of its
+# largest: beside a node line points have less, but in the coarsest of scans.
+MIN_COMPONENT_RATIO = 0.4
+USABLE_QUANTITIES = {*UNITS_OF_SCAN_QUANTITY, "normal"}
+# A table seldom has so many.
+MIN_COLUMNS_TAKEN_FOR_MATRIX = 16
+MATRIX_LINES_TEXT = "'# Width: 30 mm', '# Height: 20 mm', '# Value units: um'"
+USUAL_QUANTITIES_OF_COUNT = {2: ("r", "amplitude"), 3: ("x", "y", "amplitude")}
+"""The likely quantities of columns without names, by how many there are, for messages."""
 PLAIN_NUMBER_PATTERN = re.compile(r"[-+]?[.,]?\d[\d.,]*(?:[eEdD][-+]?\d+)?$")
 LABVIEW_UNIT_LINE_PREFIX = "Y_Unit_Label"
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
@@ -154,6 +172,7 @@ def read_point_table(
     complete: Callable[[Collection[str]], dict[str, bool]],
     frequency_hz: float | None = None,
     rows: str | None = None,
+    remedies: PointRemedies = NO_REMEDIES,
 ) -> tuple[pd.DataFrame, list[int], list[str]]:
     """Points of a table of text, by their lines in the file.
 
@@ -163,6 +182,7 @@ def read_point_table(
         complete: the problems of a table with some quantities, and whether it has them.
         frequency_hz: by which velocities become displacements.
         rows: of which measurement, as in ``read_scan``; None where a place may stand repeatedly.
+        remedies: as in ``read_scan``.
 
     Returns: the quantities, in SI units and radians; the lines of points that lack an amplitude,
     which are excluded; and notes on how the file was read.
@@ -171,9 +191,9 @@ def read_point_table(
         InputError: naming the line or column that is wrong.
     """
     lines, notes = _read_lines(path, what=what, form=form)
-    index, header, separator = _find_header(lines, what=what, form=form)
-    header, first = _header_with_units(header, lines, index, separator)
+    index, header, separator = _find_header(lines, what=what, form=form, remedies=remedies)
     with prefix_errors(f"line {index + 1}"):
+        header, first = _header_with_units(header, lines, index, separator)
         columns, at_frequency = select_columns(header, wanted, frequency_hz=frequency_hz)
         motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
         if len({column.power for column in motion}) > 1:
@@ -183,6 +203,13 @@ def read_point_table(
         ignored = [repr(name) for name in header if name not in understood]
         beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
+        elsewhere, second = (
+            _columns_of_second_table(lines, first, separator, columns)
+            if problems and rows is not None
+            else ({}, "")
+        )
+        if second:
+            problems, columns = [second], {**columns, **elsewhere}
         problems[-1:] = [
             f"{problem}; the columns are {', '.join(columns)}{beside}" for problem in problems[-1:]
         ]
@@ -198,8 +225,10 @@ def read_point_table(
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
             problems[-1] += ". Units in names of variables follow an underscore: x_mm, vz_m_s"
         if problems:
-            also = _line_or_part_hint(lines[first:], separator, columns) if rows is not None else ""
-            raise InputError("; and ".join(problems) + also)
+            points = _numbers_of_columns(lines[first:], separator, columns)
+            if _has_component_sign(columns, points):
+                remedies = replace(remedies, unsigned="")
+            raise InputError("; and ".join([*problems, *_wants_of_points(points, remedies)]))
     needed = max(taken) + 1
     in_columns = at_frequency or any(
         each.quantity == "frequency" for each in header_columns(header)
@@ -232,7 +261,11 @@ def read_point_table(
     amplitudes = cells[[column.column_index for column in motion]]
     lacking = cells.index[amplitudes.map(is_missing).any(axis=1)]
     cells = cells.drop(lacking)
+    pairs = [column for column in motion if has_complex_pairs(cells[column.column_index])]
+    notes += [f"cells (a,b) of {column.name!r} are read as a + b i" for column in pairs]
     table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
+    if _has_component_sign(columns, table):
+        table["sign"] = 1.0
     if rows is not None:
         table, chosen = _one_row_per_position(table, cells, settings, frequency_hz=frequency_hz)
         notes += chosen
@@ -250,22 +283,70 @@ def read_point_table(
     return table, lacking.tolist(), [*notes, *missing_points_note(lacking.tolist(), what="line")]
 
 
-def _line_or_part_hint(rows: Sequence[str], separator: str, columns: dict[str, ScanColumn]) -> str:
-    """A hint by places without known units: they are a line, or a part of the surface."""
-    ends, rows = [], [row for row in rows if not WORD_LINE_PATTERN.match(row.strip())]
-    for column in (columns[name] for name in ("x", "y") if name in columns):
-        cells = [_split_cells(row, separator)[column.column_index :][:1] for row in rows]
-        values = parse_numbers(pd.Series([cell for each in cells for cell in each], dtype=object))
-        ends.append((values.min(), values.max()))
-    if len(columns.keys() & COORDINATE_UNITS) == 1 or (0, 0) in ends:
-        return f"; {LINE_HINT_TEXT}"
-    if any(min(high, -low) < MAX_PART_OVERLAP_FRACTION * (high - low) for low, high in ends):
-        return (
-            "; its points lie on one side of x = 0 or y = 0: if they are a part of the surface, "
-            "write the mirrored points too, or say actuator.profile.axisymmetric: true if the "
-            "shape is; if they are all of it, where its centre is by actuator.profile.origin"
+def _columns_of_second_table(
+    lines: Sequence[str], first: int, separator: str, columns: Mapping[str, ScanColumn]
+) -> tuple[dict[str, ScanColumn], str]:
+    """Return the columns of another table below that this one lacks, and a message on where."""
+    kinds = ({*COORDINATE_UNITS}, {"amplitude", "normal", "real", "imaginary"})
+    lacking = [kind for kind in kinds if not kind & columns.keys()]
+    if len(lacking) != 1:
+        return {}, ""
+    for number, (line, below) in enumerate(pairwise(lines[first:]), first + 1):
+        header, row = _split_cells(line, separator), _split_cells(below, separator)
+        found = {each.quantity: each for each in header_columns(header)}
+        places = [each.column_index for name, each in found.items() if name in lacking[0]]
+        numbers = parse_numbers(pd.Series(row, dtype=object))
+        if places and len(row) == len(header) > 1 and numbers.iloc[places].notna().all():
+            known = {name: each for name, each in found.items() if name in USABLE_QUANTITIES}
+            return known, (
+                f"the positions and the amplitudes are in two tables, the second, "
+                f"{list_text([repr(name) for name in header])}, from line {number} on; write one "
+                "table, with both in the row of a point"
+            )
+    return {}, ""
+
+
+def _numbers_of_columns(
+    rows: Sequence[str], separator: str, columns: Mapping[str, ScanColumn]
+) -> dict[str, pd.Series]:
+    """The numbers of columns whose units need not be known, by their quantities."""
+    cells = [
+        _split_cells(row, separator) for row in rows if not WORD_LINE_PATTERN.match(row.strip())
+    ]
+    return {
+        name: parse_numbers(
+            pd.Series(["".join(row[at.column_index :][:1]) for row in cells], dtype=object)
         )
-    return ""
+        for name, at in columns.items()
+    }
+
+
+def _has_component_sign(
+    columns: Mapping[str, ScanColumn], values: Mapping[str, pd.Series] | pd.DataFrame
+) -> bool:
+    """Tell whether amplitudes are a vector's component, all of one sign and far from a node."""
+    if not ("amplitude" in columns and columns["amplitude"].is_signed) or "sign" in columns:
+        return False
+    amplitude = values["amplitude"]
+    return bool(amplitude.min() > MIN_COMPONENT_RATIO * amplitude.max())
+
+
+def _wants_of_points(points: Mapping[str, pd.Series], remedies: PointRemedies) -> list[str]:
+    """Remedies that points need: they are on a line, on one side, or their motion has no sign."""
+    ends = [(points[name].min(), points[name].max()) for name in ("x", "y") if name in points]
+    on_line = len(points.keys() & COORDINATE_UNITS) == 1 or (0, 0) in ends
+    on_one_side = not on_line and any(
+        min(high, -low) < MAX_PART_OVERLAP_FRACTION * (high - low) for low, high in ends
+    )
+    # An angle beside x and y is a phase that is to be called so.
+    directed = points.keys() & {"phase", "sign", "real", "imaginary"} or {"x", "phi"} <= {*points}
+    unsigned = not directed and points.get("amplitude", pd.Series([np.nan])).min() >= 0
+    wants = (
+        remedies.on_line * on_line,
+        remedies.on_one_side * on_one_side,
+        remedies.unsigned * bool(unsigned),
+    )
+    return [want for want in wants if want]
 
 
 def _position_cells(row: str, *, separator: str, columns: dict[str, ScanColumn]) -> tuple[str, ...]:
@@ -422,15 +503,16 @@ def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     }
 
 
-def read_table(path: Path, frequency_hz: float | None, rows: str) -> Scan:
+def read_table(path: Path, frequency_hz: float | None, rows: str, remedies: PointRemedies) -> Scan:
     """The scan in a table of text."""
     table, lacking, notes = read_point_table(
         path,
         what="scan",
-        form=f"{SCAN_FORMAT_TEXT} ({LINE_HINT_TEXT})",
+        form=SCAN_FORMAT_TEXT,
         complete=_incomplete_scan_problems,
         frequency_hz=frequency_hz,
         rows=rows,
+        remedies=remedies,
     )
     known = set(table)
     size = table.pop("amplitude").to_numpy() if "amplitude" in known else np.zeros(len(table))
@@ -472,7 +554,8 @@ def _read_lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[st
     if text.count("\0", 0, MAX_ENCODING_CHECK_CHARACTERS) > MAX_ENCODING_CHECK_CHARACTERS / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
-    return io.StringIO(text, newline=None).read().split("\n"), notes
+    lines, matrix = matrix_as_table_lines(io.StringIO(text, newline=None).read().split("\n"))
+    return lines, notes + matrix
 
 
 def _table_cells(
@@ -522,7 +605,7 @@ def _header_with_units(
     first = next((row for row in range(index + 1, len(lines)) if lines[row].strip()), len(lines))
     below = "".join(lines[first : first + 1])
     cells = _split_cells(COMMENT_PATTERN.sub("", below, count=1), separator) if below else []
-    if (named := header_with_unit_line(header, cells)) != header:
+    if named := header_with_unit_line(header, cells):
         return named, first + 1
     if len(cells) == len(header):
         header = [
@@ -533,7 +616,8 @@ def _header_with_units(
         ]
     for line in lines[:index]:
         if line.startswith(LABVIEW_UNIT_LINE_PREFIX):
-            header = header_with_unit_line(header, ["", *_split_cells(line, separator)[1:]])
+            cells = ["", *_split_cells(line, separator)[1:]]
+            header = header_with_unit_line(header, cells) or header
     units = {
         normalised_unit(match[1])
         for line in lines[:index]
@@ -592,7 +676,9 @@ def _decode_text(content: bytes) -> tuple[str, str]:
     return content.decode("latin-1"), "latin-1"
 
 
-def _find_header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, list[str], str]:
+def _find_header(
+    lines: Sequence[str], *, what: str, form: str, remedies: PointRemedies
+) -> tuple[int, list[str], str]:
     """The place of the line that names columns, which may be a comment; its cells; the separator.
 
     It names some quantities, stands above numbers and has as many cells; others are taken where
@@ -643,4 +729,16 @@ def _find_header(lines: Sequence[str], *, what: str, form: str) -> tuple[int, li
             )
         return index, cells, between
     first = lines[plain[0]].strip()[:60]
-    raise InputError(f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}")
+    problem = f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}"
+    if len(re.split(r"[\s;,]+", lines[plain[-1]].strip())) >= MIN_COLUMNS_TAKEN_FOR_MATRIX:
+        problem += f"; or, of a matrix of amplitudes, lines above it: {MATRIX_LINES_TEXT}"
+    points = _points_of_rows_without_names([lines[row] for row in plain])
+    raise InputError("; and ".join([problem, *_wants_of_points(points, remedies)]))
+
+
+def _points_of_rows_without_names(rows: Sequence[str]) -> dict[str, pd.Series]:
+    """The columns of rows by the quantities that they most likely are; none of other rows."""
+    cells = [re.split(r"[\s;,]+", row.strip()) for row in rows]
+    names = USUAL_QUANTITIES_OF_COUNT.get(len(cells[-1]), ())
+    alike = pd.DataFrame([row for row in cells if len(row) == len(names)], dtype=object)
+    return {name: parse_numbers(alike[at]) for at, name in enumerate(names)}

@@ -121,34 +121,6 @@ class Refinement:
         key = grids, terms, batch.aspect, guess is None
         self.queued_batches.setdefault(key, []).append(batch)
 
-    def next_launch_batches(self, *, most: int) -> list[Batch]:
-        """Batches of one program that fill a launch, those of the dearest grids first.
-
-        So that no long solve is left over at the end.
-        """
-        chosen: list[Batch] = []
-        scenes, size = 0, 0
-        for key in sorted(self.queued_batches, key=lambda key: -krylov_iteration_flops(key[0][-1])):  # type: ignore[index]
-            batch = Batch.join_batches(self.queued_batches[key])
-            scene_bytes = 8 * sum([grid.unknown_count for grid in batch.grids])
-            room = max((MAX_LAUNCH_STATE_BYTES - size) // scene_bytes, 0 if chosen else 1)
-            count = min(most - scenes, room, len(batch))
-            if count <= 0 or (
-                chosen
-                and program_terms_and_precision(batch.terms)
-                != program_terms_and_precision(chosen[0].terms)
-            ):
-                continue
-            if count < len(batch):
-                self.queued_batches[key] = [batch[count:]]
-                batch = batch[:count]
-            else:
-                del self.queued_batches[key]
-            chosen.append(batch)
-            scenes += count
-            size += scene_bytes * count
-        return chosen
-
     def accept_or_refine(self, batch: Batch, stages: Sequence[PeriodicStates]) -> int:
         """Write the solutions of scenes whose error is small enough, or that have no better one.
 
@@ -275,6 +247,45 @@ class Refinement:
         self.solutions.nt[rows] = grid.nt
 
 
+def max_unknowns_on_device(device: Device) -> float:
+    """Return the most unknowns of a grid that a device has memory for."""
+    fields = MIN_FIELDS_PER_WORK_GROUP * DEVICE_MEMORY_DIVISOR
+    return min(MAX_UNKNOWNS, device.memory_bytes // (8 * fields))
+
+
+def take_launch_batches(queued: dict[object, list[Batch]], *, most: int) -> list[Batch]:
+    """Take batches of one program that fill a launch, those of the dearest grids first.
+
+    So that no long solve is left over at the end.
+
+    Args:
+        queued: batches that wait, those that go together in a list, by their grids, terms and so
+            on.
+    """
+    chosen: list[Batch] = []
+    scenes, size = 0, 0
+    for key in sorted(queued, key=lambda key: -krylov_iteration_flops(key[0][-1])):  # type: ignore[index]
+        batch = Batch.join_batches(queued[key])
+        scene_bytes = 8 * sum([grid.unknown_count for grid in batch.grids])
+        room = max((MAX_LAUNCH_STATE_BYTES - size) // scene_bytes, 0 if chosen else 1)
+        count = min(most - scenes, room, len(batch))
+        if count <= 0 or (
+            chosen
+            and program_terms_and_precision(batch.terms)
+            != program_terms_and_precision(chosen[0].terms)
+        ):
+            continue
+        if count < len(batch):
+            queued[key] = [batch[count:]]
+            batch = batch[:count]
+        else:
+            del queued[key]
+        chosen.append(batch)
+        scenes += count
+        size += scene_bytes * count
+    return chosen
+
+
 def solve_periodic(
     plan: SolvePlan,
     solutions: Solutions,
@@ -292,10 +303,7 @@ def solve_periodic(
         plan=plan,
         solutions=solutions,
         tolerance=tolerance,
-        max_unknowns=min(
-            MAX_UNKNOWNS,
-            device.memory_bytes // (8 * MIN_FIELDS_PER_WORK_GROUP * DEVICE_MEMORY_DIVISOR),
-        ),
+        max_unknowns=max_unknowns_on_device(device),
         keep_states=keep_states,
         last_pressure_change=np.full((2, len(plan.scenes)), np.nan),
         newton_failures=np.zeros(len(plan.scenes), dtype=np.int64),
@@ -316,7 +324,8 @@ def solve_periodic(
     with track_progress(count, unit="scene", name="periodic states") as progress:
         while refinement.queued_batches or flying:
             while refinement.queued_batches and len(flying) < LAUNCHES_IN_FLIGHT:
-                flying.append(launch(refinement.next_launch_batches(most=size), device=device))
+                batches = take_launch_batches(refinement.queued_batches, most=size)
+                flying.append(launch(batches, device=device))
             landing = flying.popleft()
             progress.current_step = _grid_text(landing.batches[0].grids[-1])
             landed = zip(landing.batches, landing.wait_for_states(device), strict=True)

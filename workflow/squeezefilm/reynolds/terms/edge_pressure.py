@@ -2,8 +2,8 @@
 
 Unknown stays the pressure on the inner nodes, zero on the edge: by collocation the flow is affine
 in what stands there, and so are the pressure and its slope on the points of velocities. What g adds
-are arrays of the host, which knows it (quantities/edge_loss.py). That gas at the edge is warmer by
-g is neglected.
+are arrays of the host, which knows it (quantities/edge_effects.py). That gas at the edge is warmer
+by g is neglected.
 """
 
 from __future__ import annotations

@@ -25,6 +25,7 @@ COLOUR_OF_EFFECT = {
     "slip": style.VERMILLION,
     "thermal": style.ORANGE,
     "edge_loss": style.GREEN,
+    "edge_flow": style.PURPLE,
     "total": style.GREY,
 }
 CONTOUR_MARGIN_FRACTION = 0.04
@@ -43,20 +44,23 @@ def error_budget(results: Results) -> Figure:
     positions = _budgets_of_plan(results, "four_factor")
     largest = positions["hv_um"] / positions["h0_um"]
     along = positions[largest >= largest.max() * (1 - 1e-9)]
-    figure, grid = style.subplots(2, 3, wide=True, height_in=4.3)
-    *panels, last = grid.flat
-    for letter, axes, (name, colour) in zip("abcde", panels, COLOUR_OF_EFFECT.items(), strict=True):
+    figure = style.new_figure(wide=True, height_in=4.3)
+    grid = figure.add_gridspec(2, 4)
+    squares = [grid[row, column] for row, columns in ((0, 4), (1, 2)) for column in range(columns)]
+    *panels, last = [figure.add_subplot(part) for part in (*squares, grid[1, 2:])]
+    maps = zip("abcdef", panels, COLOUR_OF_EFFECT.items(), strict=True)
+    for letter, axes, (name, colour) in maps:
         look: dict[str, Any] = {"colors": colour, "linestyles": "solid"}
         look["levels"] = _contour_levels(screen[f"{name}_percent"])
         title = f"({letter}) {_panel_title(screen['included_effects'], name)} (%)"
         _draw_map(
             axes, screen, f"{name}_percent", title, form=partial(signed_text, digits=3), **look
         )
-        axes.title.set_fontsize(7)
+        axes.title.set_fontsize(6)
     shown = _draw_effects(last, along)
     first = "Differences of solved forces; total: middle of the interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
-    notes = f"{first} {parts.interpolation_note(screen)}", f"(f): {place}; {shown}"
+    notes = f"{first} {parts.interpolation_note(screen)}", f"(g): {place}; {shown}"
     style.add_note(figure, *notes, results.validity_note)
     return figure
 
@@ -126,7 +130,7 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
     label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
     axes.set(xlabel=label, ylabel="change of the force (%)")
-    axes.set_title(f"(f) along {'the radius' if on_disc else 'x'}")
+    axes.set_title(f"(g) along {'the radius' if on_disc else 'x'}")
     axes.grid(True)
     name, unit = (r"$\phi_\varphi$", "°") if on_disc else ("$y$", " mm")
     least, largest = ends_of_other

@@ -205,31 +205,28 @@ def _draw_profile(figure: Figure, amplitude: Axes, residual: Axes, data: pd.Data
         look |= {"edgecolor": "0.3", "linewidths": 0.3, "clip_on": False}
         drawn = parts.draw_coloured_dots(axes, points, column, x="x_mm", y="y_mm", **look)
         if len(outliers):
-            count = f"outliers ({len(outliers)})"
-            x, y = outliers["x_mm"], outliers["y_mm"]
-            axes.plot(x, y, "x", color=style.VERMILLION, label=count)
-            axes.legend(loc="upper right")
+            marks = axes.plot(outliers["x_mm"], outliers["y_mm"], "x", color=style.VERMILLION)
         parts.limit_axes_to_grid(axes, grid)
         axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
         figure.colorbar(drawn, ax=axes, orientation="horizontal", shrink=0.9, label=label)
+    if len(outliers):
+        figure.legend(marks, [f"outliers ({len(outliers)})"], loc="outside upper center")
 
 
 def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> None:
-    """Amplitude and residual over the distance from the centre; outliers beyond at the edge."""
+    """Amplitude and residual over the distance from the centre; triangles: outliers beyond."""
     profile, noise = style.layer_rows(data, "profile"), float(data["noise_um"].iloc[0])
     fitted = style.layer_rows(data, "points")
-    largest = max(fitted["amplitude_um"].abs().max(), profile["profile_max_um"].abs().max())
+    height = 1.2 * max(fitted["amplitude_um"].abs().max(), profile["profile_max_um"].abs().max())
     reach = max(3.5 * noise, 1.3 * float(fitted["residual_um"].abs().max()))
     for axes, column, limit in (
-        (amplitude, "amplitude_um", 1.2 * largest),
+        (amplitude, "amplitude_um", height),
         (residual, "residual_um", reach),
     ):
         for layer, colour in (("points", style.BLUE), ("outliers", style.VERMILLION)):
             points = style.layer_rows(data, layer)
             if len(points):
-                x, y, label = points["r_mm"], points[column], f"{layer} ({len(points)})"
-                inside = y.clip(-limit, limit)
-                axes.plot(x, inside, ".", color=colour, markersize=2.5, label=label)
+                _draw_points_within(axes, points, column, limit=limit, color=colour)
         axes.axhline(0, color="black", linewidth=0.6)
         axes.set_xlabel("distance from the centre $r$ (mm)")
         axes.set_xlim(0, 1.02 * float(profile["r_mm"].max()))
@@ -238,12 +235,27 @@ def _draw_over_radius(amplitude: Axes, residual: Axes, data: pd.DataFrame) -> No
     if lowest.equals(highest):
         names = ("± 2 standard errors", "profile")
     band = (lowest - 2 * profile["error_um"], highest + 2 * profile["error_um"])
-    look: dict[str, Any] = {"color": style.ORANGE, "alpha": 0.4, "linewidth": 0}
-    amplitude.fill_between(r_mm, *band, label=names[0], **look)
+    amplitude.fill_between(r_mm, *band, label=names[0], color=style.ORANGE, alpha=0.4, linewidth=0)
     amplitude.plot(r_mm, highest, color="black", label=names[1])
     amplitude.plot(r_mm, lowest, color="black")
     amplitude.set(title="(a) measured and smoothed", ylabel="amplitude (µm)")
-    amplitude.legend(loc="upper right")
+    amplitude.set_ylim(*np.clip(amplitude.get_ylim(), -height, height))
     residual.axhspan(-2 * noise, 2 * noise, color="0.9", zorder=0, label="± 2 σ of the noise")
-    residual.set(ylim=(-reach, 1.25 * reach), ylabel="residual (µm)")
-    residual.legend(loc="upper right")
+    residual.set(ylim=(-reach, reach), ylabel="residual (µm)")
+    for axes in (amplitude, residual):
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17), ncols=2)
+
+
+def _draw_points_within(
+    axes: Axes, points: pd.DataFrame, column: str, *, limit: float, color: str
+) -> None:
+    """Points of a layer over the radius, with their number; triangles at the limits: beyond."""
+    r_mm, beyond = points["r_mm"], points[column].abs() > limit
+    look: dict[str, Any] = {"color": color, "linestyle": "none"}
+    label = f"{points['layer'].iloc[0]} ({len(points)})"
+    axes.plot(r_mm[~beyond], points[column][~beyond], marker=".", ms=2.5, label=label, **look)
+    look |= {"ms": 4, "clip_on": False, "label": f"{beyond.sum()} beyond the axis"}
+    for edge, marker in ((limit, "^"), (-limit, "v")):
+        if len(at := r_mm[beyond & (points[column] * edge > 0)]):
+            axes.plot(at, 0 * at + edge, marker=marker, **look)
+            look["label"] = ""

@@ -39,7 +39,13 @@ def measurements(results: Results) -> Figure:
     right.errorbar(
         force, 0 * force, 1e3 * error, **NUMERICAL_ERROR_STYLE, label="numerical error, mode shape"
     )
-    right.errorbar(force, residual, 1e3 * uncertainty, **MEASURED_STYLE, label="measurement")
+    right.errorbar(
+        force,
+        residual,
+        1e3 * uncertainty,
+        **MEASURED_STYLE,
+        label="measurement, ± standard uncertainty",
+    )
     right.set(ylabel="measured − computed force (mN)", title="(b) residuals")
     figure.legend(*right.get_legend_handles_labels(), loc="outside upper center", ncols=3)
     for panel in (left, right):

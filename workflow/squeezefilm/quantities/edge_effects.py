@@ -1,12 +1,24 @@
-"""Edge loss: gas that flows in has come from rest, and its pressure at the edge is below ambient.
+"""Pressure on the film's edge: loss of gas that flows in, and flow around the edge.
 
     P = 1 − C (σ Re/24) ū_n²  where gas flows in (Bernoulli),  P = 1 where it flows out,
 
 with the mean velocity ū over the gap, lengths by the pad's length along x, time by 1/ω. C is the
 kinetic energy of a plug or of a parabola, over that of the mean velocity, and more with losses: it
 is not known better than to the two. A wall that slides drags gas to the edge, with a pressure from
-ρ U²/2 below to as much above the ambient one, which no film equation tells. The edge's pressure and
-the film's state are solved for in turn, each with the other's last one, until the force settles.
+ρ U²/2 below to as much above the ambient one, which no film equation tells.
+
+Gas that turns around the edge meets a resistance there, as if the film were 0.64 gaps longer
+(Veijola, Pursula and Råback, J. Micromech. Microeng. 15, 2005: 1.3 for both sides), and the
+inertia of gas outside:
+
+    P = 1 + σ (h0/l0) [0.64 ū_n/H + (0.097 + ln(R/h0)/(6π)) Re ∂(H ū_n)/∂T],
+
+n outward. Both factors are those of a small oscillation (verification/edge_flow.py). At the
+distance R the pressure is ambient: where the wave of sound that leaves the edge is no longer near,
+or the pad's other sides are as near.
+
+The edge's pressure and the film's state are solved for in turn, each with the other's last one,
+until the force settles.
 """
 
 from __future__ import annotations
@@ -14,10 +26,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 
-from squeezefilm.film.scene import Scene
+from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields, apply_matrix_along_axis, dot, fold_even_columns
 from squeezefilm.quantities.sheared_gas import wall_speed, wall_velocity
 from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed_states
@@ -32,6 +45,18 @@ from squeezefilm.solution import Solution
 
 # Coefficients C of a plug and of a parabola.
 EDGE_LOSS_COEFFICIENTS = (1.0, 1.54)
+# Of flow around the edge: its resistance, its inertance without ln(R/h0)/(6π), and the distance R
+# over that in which a wave of sound turns by 1. Errors of both, over them: of slow flow without
+# slip, for each unit of Re and of Kn (`squeezefilm-verification edge-flow`).
+EDGE_RESISTANCE, EDGE_INERTANCE, NEAR_WAVE_RATIO = 0.64, 0.097, 1.12
+EDGE_RESISTANCE_ERROR, EDGE_INERTANCE_ERROR = (0.1, 0.15, 3.0), (0.2, 0.0, 3.0)
+# Laws of the pressure on the edge: loss coefficient, and parts of the resistance and inertance of
+# flow around it. Each effect alone; and both together, with what tells the error of the latter.
+SEPARATE_LAWS = (*((coefficient, 0.0, 0.0) for coefficient in EDGE_LOSS_COEFFICIENTS), (0, 1, 1))
+JOINT_LAWS = (
+    *((coefficient, 1.0, 1.0) for coefficient in EDGE_LOSS_COEFFICIENTS),
+    *((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+)
 # Relative error of the force that an iteration of the state may leave.
 STATE_FORCE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
@@ -43,28 +68,49 @@ CONVERGENCE_SAFETY_FACTOR = 20
 TRIAL_EDGE_PRESSURE_RATIOS = (1e-3, 1e-4)
 
 
-def edge_loss_changes(
-    scenes: Sequence[Scene], solutions: Sequence[Solution], *, device: Device
+def edge_effect_changes(
+    scenes: Sequence[Scene],
+    solutions: Sequence[Solution],
+    *,
+    laws: Sequence[tuple[float, float, float]],
+    device: Device,
 ) -> np.ndarray:
-    """Return the relative changes of the forces by the edge loss, and their errors.
+    """Return the relative changes of the forces by the pressure on the edge, and their errors.
 
     Args:
         solutions: of the scenes, with their states on two grids.
+        laws: as SEPARATE_LAWS.
 
     Returns:
-        Changes and errors for each of EDGE_LOSS_COEFFICIENTS, shape (2, coefficients, scenes); NaN
-        where a solution has no states, or the iteration does not settle.
+        Changes and errors by each law, shape (2, laws, scenes); NaN where a solution has no states,
+        or the iteration does not settle.
     """
-    on_grid = partial(_edge_loss_changes_on_grid, device=device)
     changes = force_changes_and_errors(
         scenes,
         solutions,
-        on_grid,
-        changes=len(EDGE_LOSS_COEFFICIENTS),
+        partial(_edge_effect_changes_on_grid, laws=laws, device=device),
+        changes=len(laws),
         tolerance=STATE_FORCE_TOLERANCE,
     )
     changes[1] += EFFECT_CHANGE_TOLERANCE * np.abs(changes[0])
     return changes
+
+
+def edge_inertance(scenes: Scenes | Scene) -> Any:
+    """Return the inertance of flow around the edge, over Re: of gas as far as the sound is near."""
+    gas, actuator = scenes.gas, scenes.actuator
+    sound_m_per_s = np.sqrt(
+        gas.heat_capacity_ratio * gas.ambient_pressure_pa / gas.density_kg_per_m3
+    )
+    near_m = NEAR_WAVE_RATIO * sound_m_per_s / actuator.angular_frequency_rad_per_s
+    distance_m = np.minimum(near_m, np.minimum(scenes.pad.length_x_m, scenes.pad.length_y_m))
+    return EDGE_INERTANCE + np.log(distance_m / scenes.h0_m) / (6 * np.pi)
+
+
+def edge_flow_error_ratios(scene: Scene) -> np.ndarray:
+    """Return the errors of the edge's resistance and of its inertance, over them, (2,)."""
+    by = np.array([1.0, scene.modified_reynolds, scene.knudsen])
+    return np.array([EDGE_RESISTANCE_ERROR, EDGE_INERTANCE_ERROR]) @ by
 
 
 def ram_pressure_changes(
@@ -75,7 +121,7 @@ def ram_pressure_changes(
     Gas that comes in with the wall's speed and stops has it: the largest that there may be. The
     change goes with the pressure, and is solved for a small one.
 
-    Args and returns: as of ``edge_loss_changes``, of one change, (2, 1, scenes).
+    Args and returns: as of ``edge_effect_changes``, of one change, (2, 1, scenes).
     """
 
     def ram_pressure_change_on_grid(films: Fields, *, fraction: float) -> np.ndarray:
@@ -97,45 +143,48 @@ def ram_pressure_changes(
     return changes * np.array(ram)
 
 
-def _edge_loss_changes_on_grid(films: Fields, *, device: Device) -> np.ndarray:
-    """Changes of the mean pressure over it on one grid, (coefficients, scenes)."""
-    count, copies = len(films.scenes), 1 + len(EDGE_LOSS_COEFFICIENTS)
-    rows, coefficients = (
-        np.tile(np.arange(count), copies),
-        np.repeat([0.0, *EDGE_LOSS_COEFFICIENTS], count),
-    )
-    films = films.at(rows)
-    change = np.zeros(len(rows))
-    step, moved = np.ones(len(rows)), np.full(len(rows), np.inf)
-    difference = np.zeros(len(rows))
-    for _ in range(MAX_EDGE_ITERATIONS):
-        move = edge_pressure_of_inflow(films, coefficients) - films.edge_gauge_pressure
-        before, moved = moved, np.abs(move).max(axis=(1, 2, 3))
+def _edge_effect_changes_on_grid(
+    films: Fields, *, laws: Sequence[tuple[float, float, float]], device: Device
+) -> np.ndarray:
+    """Changes of the mean pressure over it on one grid, (laws, scenes)."""
+    count, copies, no_law = len(films.scenes), 1 + len(laws), (0.0, 0.0, 0.0)
+    films = films.at(np.tile(np.arange(count), copies))
+    factors = np.repeat([no_law, *laws], count, axis=0).T
+    factors[1] *= EDGE_RESISTANCE
+    factors[2] *= edge_inertance(films.scenes)
+    change, difference = np.zeros(count * copies), np.full(count * copies, np.nan)
+    step, moved = np.ones(count * copies), np.full(count * copies, np.inf)
+    mean_without_law = np.zeros(0)
+    rows = np.arange(count * copies)  # whose force has not settled
+    for iteration in range(MAX_EDGE_ITERATIONS):
+        active = films.at(rows)
+        move = edge_pressure_of_flow(active, factors[:, rows]) - active.edge_gauge_pressure
+        before, moved[rows] = moved[rows], np.abs(move).max(axis=(1, 2, 3))
         # High harmonics of a large loss overshoot.
-        step = np.where(moved > before, step / 4, step)
-        edge = films.edge_gauge_pressure + step[:, None, None, None] * move
-        tried, mean = solve_with_edge_pressure(films, edge, device=device)
-        failed, without_loss = np.isnan(mean), np.tile(mean[:count], copies)
-        last, change = change, np.where(failed, change, mean / without_loss - 1)
-        earlier, difference = difference, np.abs(change - last)
-        allowed = step * EFFECT_CHANGE_TOLERANCE * np.abs(change)
+        step[rows] /= np.where(moved[rows] > before, 4, 1)
+        edge = active.edge_gauge_pressure + step[rows, None, None, None] * move
+        tried, mean = solve_with_edge_pressure(active, edge, device=device)
+        if iteration == 0:
+            mean_without_law = np.tile(mean[:count], copies)
+        failed, last, earlier = np.isnan(mean), change[rows], difference[rows]
+        change[rows] = np.where(failed, last, mean / mean_without_law[rows] - 1)
+        # The first change is the effect, and no step of the iteration.
+        difference[rows] = np.abs(change[rows] - last) if iteration else np.nan
+        allowed = step[rows] * EFFECT_CHANGE_TOLERANCE * np.abs(change[rows])
         # Or where the next difference, by the fall of the last two, is far below that.
         settled = ~failed & (
-            (difference <= allowed / 2)
-            | (difference**2 <= allowed / CONVERGENCE_SAFETY_FACTOR * earlier)
+            (difference[rows] <= allowed / 2)
+            | (difference[rows] ** 2 <= allowed / CONVERGENCE_SAFETY_FACTOR * earlier)
         )
         # Where Newton's method does not follow, a shorter step is tried.
-        keep = failed[:, None, None, None]
-        films = replace(
-            films,
-            edge_gauge_pressure=np.where(keep, films.edge_gauge_pressure, edge),
-            unknowns=np.where(keep[..., None], films.unknowns, tried.unknowns),
-        )
-        step = np.where(failed, step / 2, np.minimum(1.5 * step, 1.0))
-        if settled.all():
+        films.edge_gauge_pressure[rows[~failed]] = edge[~failed]
+        films.unknowns[rows[~failed]] = tried.unknowns[~failed]
+        step[rows] = np.where(failed, step[rows] / 2, np.minimum(1.5 * step[rows], 1.0))
+        rows = rows[~settled]
+        if not len(rows):
             break
-    changes = np.where(settled, change, np.nan)
-    return np.asarray(changes.reshape(copies, count)[1:])
+    change[rows] = np.nan
+    return change.reshape(copies, count)[1:]
 
 
 def solve_with_edge_pressure(
@@ -148,15 +197,23 @@ def solve_with_edge_pressure(
     )
 
 
-def edge_pressure_of_inflow(films: Fields, coefficients: np.ndarray) -> np.ndarray:
+def edge_pressure_of_flow(films: Fields, factors: np.ndarray) -> np.ndarray:
     """Return the pressure on the edge, P − 1, by the velocity of states that have some there.
 
     Args:
-        coefficients: C of each scene, (scenes,).
+        factors: loss coefficient C, resistance and inertance of each scene, (3, scenes).
     """
-    scale = (coefficients * films.scenes.modified_reynolds)[:, None, None, None]
-    square = squared_inflow_velocity(films, films.velocity_on_edge)
-    return -scale * films.sigma / 24 * square
+    loss, resistance, inertance = factors[..., None, None, None]
+    reynolds, length_x_m = films.scenes.modified_reynolds, films.scenes.pad.length_x_m
+    reynolds, gap_over_length = (
+        np.asarray(each)[:, None, None, None] for each in (reynolds, films.scenes.h0_m / length_x_m)
+    )
+    velocity = films.velocity_on_edge
+    outflow = -dot(films.inward_normal_signs, velocity) / np.sqrt(films.area)
+    around = resistance * outflow / films.gap
+    around += inertance * reynolds * films.t_derivative(films.gap * outflow)
+    inflow = squared_inflow_velocity(films, velocity)
+    return np.asarray(films.sigma * (gap_over_length * around - loss * reynolds / 24 * inflow))
 
 
 def squared_inflow_velocity(films: Fields, velocity: np.ndarray) -> np.ndarray:
