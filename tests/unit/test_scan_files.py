@@ -535,8 +535,8 @@ WRONG = {
     ),
     "a motion over a voltage": (
         with_header("x_mm,y_mm,H1 Displacement/Voltage [m/V],H1 Displacement/Voltage Phase [deg]"),
-        "the unit 'm/v' of 'H1 Displacement/Voltage [m/V]' is not known; write another, as in H1 "
-        "Displacement/Voltage [um]. Lengths",
+        "the unit 'm/v' of 'H1 Displacement/Voltage [m/V]' is not known; write another into "
+        "the header, as in H1 Displacement/Voltage [um]. Lengths",
     ),
     "a share": (
         with_header("x_mm,y_mm,Amplitude [%],phase_deg"),
@@ -544,7 +544,8 @@ WRONG = {
     ),
     "an unknown unit in a second line": (
         with_header("X,Y,Amplitude,Phase\nmm,furlong,µm,deg"),
-        "the unit 'furlong' of 'Y [furlong]' is not known; write another, as in Y [mm]. Lengths",
+        "the unit 'furlong' of 'Y [furlong]' is not known; write another into the header, as in "
+        "Y [mm]. Lengths",
     ),
     "two wants": (
         with_header("x,y_mm,ampltude,phase_deg"),
