@@ -929,6 +929,8 @@ def test_a_matrix_with_its_size_is_read(tmp_path):
     assert "20 × 30 values is read at the middles of its cells" in scan.notes[0]
     with pytest.raises(InputError, match=r"the unit 'px' of 'x \[px\]' is not known"):
         read(path, sizes.replace("18.0 mm", "30 px") + body)
+    with pytest.raises(InputError, match="no header names the columns"):
+        read(path, sizes.replace("18.0 mm", "18.0. mm") + body)
     with pytest.raises(InputError, match="variables that Octave saved"):
         read(path, "# Created by Octave 8.4.0, Mon Mar 11\n# name: xy_mm\n 0 0\n")
 
