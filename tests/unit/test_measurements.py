@@ -28,7 +28,7 @@ WORTH = [
 HEAD, ROW = "h0 [µm],hv [µm],force [mN],force uncertainty [mN]", "\n5,1,10,1"
 WRONG = {
     "": "measured.csv: the table is empty; it needs h0 [µm], hv [µm], force [mN]",
-    HEAD + "\n5,1,10,": "line 2: force_uncertainty_n is ''",
+    HEAD + "\n5,1,10,": "line 2: force uncertainty [mN] is ''",
     HEAD + ROW + "\n5,1,10,0": "line 3: force_uncertainty_n is 0; it must be above 0",
     HEAD.replace("mN", "kg")
     + ROW: "measured.csv: column 'force [kg]' needs a unit, one of force_n, force_mn;",

@@ -94,6 +94,15 @@ def test_a_verdict_that_is_good_is_coloured(word):
     assert f'<td class="good">{word}' in html_of_markdown(f"| a |\n| --- |\n| {word} |\n")
 
 
+def test_of_results_that_are_not_there_those_that_are_have_their_names(tmp_path, refused):
+    """It was a configuration file that is missing."""
+    for name in ("my-actuator", "paper"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "study.yaml").touch()
+    error = refused("recommend", tmp_path / "my_actuator")
+    assert f"there are no such results; there are {tmp_path}/my-actuator, {tmp_path}/paper" in error
+
+
 def test_recommended_errors_are_shown_in_percent_as_on_the_pages(monkeypatch, tmp_path, capsys):
     """0.06174 stood beside a page's 5.13 %, of fewer points."""
     row = {"space": "two_factor", "model": "bump", "validation_error": 0.0076, "simulations": 48}

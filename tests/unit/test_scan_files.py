@@ -535,8 +535,8 @@ WRONG = {
     ),
     "a motion over a voltage": (
         with_header("x_mm,y_mm,H1 Displacement/Voltage [m/V],H1 Displacement/Voltage Phase [deg]"),
-        "the unit 'm/v' of 'H1 Displacement/Voltage [m/V]' is not known; write another, as in H1 "
-        "Displacement/Voltage [um]. Lengths",
+        "the unit 'm/v' of 'H1 Displacement/Voltage [m/V]' is not known; write another into "
+        "the header, as in H1 Displacement/Voltage [um]. Lengths",
     ),
     "a share": (
         with_header("x_mm,y_mm,Amplitude [%],phase_deg"),
@@ -544,7 +544,8 @@ WRONG = {
     ),
     "an unknown unit in a second line": (
         with_header("X,Y,Amplitude,Phase\nmm,furlong,µm,deg"),
-        "the unit 'furlong' of 'Y [furlong]' is not known; write another, as in Y [mm]. Lengths",
+        "the unit 'furlong' of 'Y [furlong]' is not known; write another into the header, as in "
+        "Y [mm]. Lengths",
     ),
     "two wants": (
         with_header("x,y_mm,ampltude,phase_deg"),
@@ -928,6 +929,8 @@ def test_a_matrix_with_its_size_is_read(tmp_path):
     assert "20 × 30 values is read at the middles of its cells" in scan.notes[0]
     with pytest.raises(InputError, match=r"the unit 'px' of 'x \[px\]' is not known"):
         read(path, sizes.replace("18.0 mm", "30 px") + body)
+    with pytest.raises(InputError, match="no header names the columns"):
+        read(path, sizes.replace("18.0 mm", "18.0. mm") + body)
     with pytest.raises(InputError, match="variables that Octave saved"):
         read(path, "# Created by Octave 8.4.0, Mon Mar 11\n# name: xy_mm\n 0 0\n")
 

@@ -87,6 +87,7 @@ def test_a_row_in_lines_has_texts_and_says_what_is_not_known():
     shown = [line.split("  ")[-1].strip() for line in result_lines_text(row).splitlines()]
     assert shown == ["not available", "5263 %", "h0 = 4 µm"]
     assert percent_text(-0.499, 7e-5) == "-0.50 to +0.000070 %"
+    assert percent_text(-18.1, -18.2) == "-18 %"
 
 
 def test_a_stiffness_is_shown_without_an_exponent():

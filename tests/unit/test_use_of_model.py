@@ -459,6 +459,14 @@ def test_outside_its_domain_generated_code_gives_no_number(write_fit):
     assert math.isnan(limit["force_n"](5e-6, 1e-6, 5e-3, 0.0))
 
 
+def test_a_table_is_no_fit(tmp_path):
+    """A table of models ended with a position in JSON."""
+    with pytest.raises(
+        InputError, match=r"four_factor.csv: not a fit; give a file such as models/"
+    ):
+        read_fit(tmp_path / "four_factor.csv")
+
+
 @pytest.mark.parametrize("part", ["format", "error_scale", "film", "directions", "ranges"])
 def test_a_fit_that_lacks_a_part_is_refused(part, write_fit):
     """A file of another version was used without the error or the limit that it lacks."""

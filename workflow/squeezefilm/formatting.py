@@ -116,10 +116,8 @@ def number_text(
 
 def percent_text(*values: float, sign: str = "+", digits: int = 2) -> str:
     """Return per cent, or the ends of a range of them, as people write them."""
-    return (
-        " to ".join(number_text(number, sign=sign, digits=digits, least=1e-9) for number in values)
-        + " %"
-    )
+    ends = [number_text(number, sign=sign, digits=digits, least=1e-9) for number in values]
+    return f"{' to '.join(dict.fromkeys(ends))} %"
 
 
 def interval_text(lower: float, upper: float) -> str:
@@ -303,7 +301,8 @@ def _take_effect_lines(row: Row) -> LabelledLines:
 
     def effect_change_text(*percents: float, sign: str = "+") -> str:
         scale = size if sign else abs(size)
-        ends = " to ".join(number_text(scale * bound, sign=sign) for bound in percents)
+        texts = [number_text(scale * bound, sign=sign) for bound in percents]
+        ends = " to ".join(dict.fromkeys(texts))
         return f"{ends} {unit}, " * isfinite(size) + percent_text(*percents, sign=sign)
 
     included, unknown = (row.pop(k).split("; ") for k in ("included_effects", "unknown_effects"))

@@ -7,8 +7,10 @@ would take longer to read than scenes to solve.
 from __future__ import annotations
 
 import csv
+import difflib
 import io
 import json
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from math import nan
@@ -235,7 +237,8 @@ def _read_table(
     for name in [each for each in columns_in_table_form(numbers, wanted) if each in wanted]:
         cells, values = table[name].tolist(), table[name].map(number_of_cell).to_numpy(dtype=float)
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
-            problem = f"{name} is {cells[row]!r}, not a finite number"
+            called = table.attrs.get(name, name)
+            problem = f"{called} is {cells[row]!r}, not a finite number"
             why = "" if statuses is None else f"; its status is {statuses.iloc[row]!r}"
             problems.append((row, problem + why))
         for row in np.flatnonzero(
@@ -243,6 +246,11 @@ def _read_table(
         ).tolist():
             problems.append((row, f"{name} is {values[row]:g}; it must be above 0"))
         table[name] = values
+    if problems and "h0_m" in table:  # of numbers alone, the check of scenes finds it
+        contact = [row for row, h0_m in enumerate(table["h0_m"]) if h0_m <= 0]
+        problems += [
+            (row, f"h0_m is {table['h0_m'].iloc[row]:g}; it must be above 0") for row in contact
+        ]
     if "point_id" not in table:
         table.insert(0, "point_id", [f"{word} {line}" for line in lines])
     ids = table["point_id"] = table["point_id"].astype("str")
@@ -318,7 +326,9 @@ def _read_csv_rows(
     for column_index, own, size in _renamed_columns_of_header(header, columns):
         names[column_index] = own
         table[column_index] = [_cell_in_si(cell, size) for cell in table[column_index]]
-    return table.set_axis(names, axis=1).reset_index(drop=True), lines
+    table = table.set_axis(names, axis=1).reset_index(drop=True)
+    table.attrs = dict(zip(names, header, strict=True))  # for messages
+    return table, lines
 
 
 def _renamed_columns_of_header(
@@ -488,11 +498,22 @@ def _check_header(
             raise InputError(
                 f"column {name!r} needs a unit, one of {units}; the table needs {required}"
             )
-        raise InputError(f"unknown column {name!r}; the table needs {required}")
+        near = _nearest_column(name, factors)
+        hint = f"did you mean {near!r}? " if near else ""
+        raise InputError(f"unknown column {name!r}; {hint}the table needs {required}")
     for name in missing:
         form = f" ({POSITION_FORMS_TEXT})" if name in position else ""
         missed = f"column {name!r} is missing; it has {', '.join(header)}{form}"
         raise InputError(f"{missed}; the table needs {required}")
+
+
+def _nearest_column(name: str, columns: Collection[str]) -> str:
+    """The column whose words begin as a header's cell does, or are close to it; empty if none."""
+    first = re.split(r"[^a-z]", name.lower())[0]
+    words = [each for each, own in COLUMN_OF_WORDS.items() if own in columns]
+    begun = [each for each in words if len(first) > 2 and each.startswith(first)]
+    close = begun or difflib.get_close_matches(first, words, n=1)
+    return COLUMN_OF_WORDS[close[0]] if close else ""
 
 
 def read_columns(

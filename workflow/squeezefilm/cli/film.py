@@ -50,7 +50,9 @@ MODELLING_ERROR_COLUMNS = ("modelling_error_lower_percent", "modelling_error_upp
     flag_option("--dry-run", "show how scenes would be solved, and solve nothing"),
     flag_option("--derivatives", "derivatives of the force too, by each quantity of a scene"),
     flag_option(
-        "--budget", "the modelling error too, as columns of several points; its parts in --json"
+        "--budget",
+        "the modelling error too, as columns of several points, its parts in --json; of a table of "
+        "scenes: squeezefilm error-budget",
     ),
     option("--outputs", "NAME,…", f"further quantities, of {', '.join(OUTPUT_COLUMNS)}, or all"),
     factor_options(),

@@ -339,7 +339,8 @@ class SequentialDesign:
         self.simulate_points(self.pool.verification)
         start, surprise, rounds = self.preliminary_theta(), np.empty(0), list[RefinementRound]()
         design = np.empty(0, dtype=int)
-        design = self.most_informative_indices(start, design, count=self.first_design_size)
+        with prefix_errors("refine"):
+            design = self.most_informative_indices(start, design, count=self.first_design_size)
         self.simulate_points(design)
         while True:
             simulated = np.concatenate([self.pool.verification, design])

@@ -262,6 +262,8 @@ def read_fit(path: Path | str) -> FittedModel:
     Raises InputError naming the file and the entry that is missing or wrong, and for a file of
     another version.
     """
+    if Path(path).suffix in (".csv", ".html", ".parquet", ".yaml"):
+        raise InputError(f"{path}: not a fit; give a file such as models/four_factor/limit_1.json")
     values = read_json(path)
     lacking = [part for part in ("format", *REQUIRED_KEYS) if part not in values]
     if "not_supported" not in values and (lacking or values["format"] != FIT_FILE_FORMAT_VERSION):

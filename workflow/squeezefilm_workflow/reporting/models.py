@@ -56,6 +56,8 @@ SHOWN_COLUMN_TITLES = {
 """Columns of a comparison as its page has them, in words."""
 MAX_EQUAL_ERROR_RATIO = 1.05
 """Of global errors: up to this times the least they are the same, for a sample has few points."""
+TITLES_OF_COUNTS = ("fitted points", "validation points", "without a force")
+"""Columns of a page that stand above its table where all models have the same number."""
 COUNT_COLUMNS = ("parameters", "fit_points", "validation_points", "validation_failed")
 RECOMMENDATION_PLANS = ("four_factor", *(f"validation_{space}" for space in FACTOR_SPACE_NAMES))
 """The plans that the recommended model is judged by; the first has the positions."""
@@ -69,9 +71,12 @@ def models_page(results: Results, *, space: str) -> Page:
     table, errors = compare_candidates(results, space)
     judged = ranked_models(table)
     fits = [read_fit(results.candidate_fit_file(space, model)) for model in judged["model"]]
+    shown = shown_models_table(judged)
+    same = [name for name in TITLES_OF_COUNTS if shown[name].nunique() == 1]
     values = {
         "space": space,
-        "shown": shown_models_table(judged),
+        "shown": shown.drop(columns=same),
+        "counts": ", ".join(f"{name} {shown[name].iloc[0]}" for name in same),
         "statement": next((fit.statement for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
         "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),

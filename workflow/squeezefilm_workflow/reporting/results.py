@@ -39,6 +39,10 @@ class Results:
     @classmethod
     def of_folder(cls, folder: Path, study: Path | str | None = None) -> "Results":
         """The results in a folder, of a study's file, or else of the one that was left there."""
+        if not folder.is_dir():
+            known = [str(file.parent) for file in folder.parent.glob(f"*/{STUDY_FILE_NAME}")]
+            there = f"; there are {', '.join(sorted(known))}" if known else ""
+            raise InputError(f"{folder}: there are no such results{there}")
         return cls(folder, load_config(study or folder / STUDY_FILE_NAME))
 
     def forces(self, plan: str) -> pd.DataFrame:

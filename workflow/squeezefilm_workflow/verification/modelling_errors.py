@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from math import log, pi, sqrt
+from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,7 @@ from squeezefilm_workflow.verification.all_effects import (
     is_axisymmetric,
 )
 from squeezefilm_workflow.verification.films import MAX_EPSILON_TIMES_REYNOLDS
+from squeezefilm_workflow.verification.random_films import log_uniform
 
 # Ranges of Re, σ, ε, h0 in m and, of a sliding pad, its speed in m/s.
 REYNOLDS_RANGE, SIGMA_RANGE, EPSILON_RANGE = (0.1, 10.0), (5.0, 2500.0), (0.1, 0.6)
@@ -227,7 +228,7 @@ def random_scene(seed: int, *, reynolds: tuple[float, float] = REYNOLDS_RANGE) -
 
 def _draw_scene(random: np.random.Generator, limits: tuple[float, float]) -> Scene:
     reynolds, sigma, h0_m = (
-        _log_uniform(random, ends) for ends in (limits, SIGMA_RANGE, H0_RANGE_M)
+        log_uniform(random, ends) for ends in (limits, SIGMA_RANGE, H0_RANGE_M)
     )
     gas = Gas(inertia="auto", thermal="auto")
     if random.uniform() < NO_EFFECTS_PROBABILITY:
@@ -238,9 +239,9 @@ def _draw_scene(random: np.random.Generator, limits: tuple[float, float]) -> Sce
     pressure_height = gas.ambient_pressure_pa * h0_m**2
     length_m = sqrt(sigma * pressure_height / (12 * gas.viscosity_pa_s * omega))
     shape = str(random.choice(list(SHAPE_PROBABILITIES), p=list(SHAPE_PROBABILITIES.values())))
-    aspect = 1.0 if shape == "disc" else _log_uniform(random, ASPECT_RANGE)
+    aspect = 1.0 if shape == "disc" else log_uniform(random, ASPECT_RANGE)
     sliding = shape != "disc" and random.uniform() < SLIDING_PROBABILITY
-    speed_m_per_s = _log_uniform(random, SPEED_RANGE_M_PER_S) if sliding else 0.0
+    speed_m_per_s = log_uniform(random, SPEED_RANGE_M_PER_S) if sliding else 0.0
     kind = str(random.choice(list(PROFILE_PROBABILITIES), p=list(PROFILE_PROBABILITIES.values())))
     node = str(random.choice(list(NODE_DISTANCE_RANGES)))
     node_m = length_m / 2 * random.uniform(*NODE_DISTANCE_RANGES[node])
@@ -275,9 +276,3 @@ def _profile_with_node(kind: str, node_m: float, surface_radius_m: float) -> Pro
         case "standing-wave":
             return StandingWave(4 * node_m, 0.0, crest_m=0.0)
     return Piston()
-
-
-def _log_uniform(random: np.random.Generator, limits: tuple[float, float]) -> float:
-    """Return a number that is uniform in its logarithm."""
-    low, high = limits
-    return float(np.exp(random.uniform(log(low), log(high))))

@@ -140,7 +140,7 @@ def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> Ran
     drawn = RandomFilm(
         group=group,
         epsilon=float(random.uniform(*limits["epsilon"])),
-        sigma=_log_uniform(random, limits["sigma"]),
+        sigma=log_uniform(random, limits["sigma"]),
         profile=_random_profile_formula(shared, x * PAD_LENGTH_M, y * PAD_LENGTH_M),
         tolerance=float(_draw_by_percentages(random, TOLERANCE_PERCENTAGES)),
         x=float(x),
@@ -148,15 +148,13 @@ def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> Ran
     )
     match group:
         case "sliding":
-            return replace(
-                drawn, bearing=_log_uniform(random, limits.get("bearing", BEARING_RANGE))
-            )
+            return replace(drawn, bearing=log_uniform(random, limits.get("bearing", BEARING_RANGE)))
         case "slip":
-            return replace(drawn, knudsen=_log_uniform(random, KNUDSEN_RANGE))
+            return replace(drawn, knudsen=log_uniform(random, KNUDSEN_RANGE))
         case "ellipse":
-            return replace(drawn, aspect=_log_uniform(random, ASPECT_RANGE))
+            return replace(drawn, aspect=log_uniform(random, ASPECT_RANGE))
         case "inertia" | "thermal":
-            reynolds = _log_uniform(random, limits.get("reynolds", REYNOLDS_RANGE))
+            reynolds = log_uniform(random, limits.get("reynolds", REYNOLDS_RANGE))
             reynolds = min(reynolds, MAX_EPSILON_TIMES_REYNOLDS / drawn.epsilon)
             tolerance = max(drawn.tolerance, MIN_TOLERANCE_WITH_INERTIA)
             return replace(drawn, reynolds=reynolds, tolerance=tolerance)
@@ -165,8 +163,8 @@ def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> Ran
     return drawn
 
 
-def _log_uniform(random: np.random.Generator, limits: tuple[float, float]) -> float:
-    """Uniform in its logarithm."""
+def log_uniform(random: np.random.Generator, limits: tuple[float, float]) -> float:
+    """A number that is uniform in its logarithm."""
     low, high = limits
     return exp(random.uniform(log(low), log(high)))
 
@@ -213,9 +211,9 @@ def _random_profile_formula(random: np.random.Generator, x_m: float, y_m: float)
     if kind == "kink":
         return f"1-{height:.4f}*abs({along})/{1.5 * SURFACE_DISC.radius_m:.6g}"
     if kind == "ridge":
-        width_m = _log_uniform(random, (PAD_LENGTH_M / 15, PAD_LENGTH_M / 3))
+        width_m = log_uniform(random, (PAD_LENGTH_M / 15, PAD_LENGTH_M / 3))
         return f"1-{height:.4f}*exp(-({along}/{width_m:.6g})**2)"
-    width_m = _log_uniform(random, (PAD_LENGTH_M / 25, PAD_LENGTH_M / 5))
+    width_m = log_uniform(random, (PAD_LENGTH_M / 25, PAD_LENGTH_M / 5))
     sign = random.choice(["-", "+"])
     spot = f"exp(-((x-({at_x:.6g}))**2+(y-({at_y:.6g}))**2)/{width_m:.6g}**2)"
     return f"1{sign}{height:.4f}*{spot}"
@@ -225,7 +223,7 @@ def _smooth_profile_formula(random: np.random.Generator) -> str:
     """The paper's profile with other wave numbers, or a standing wave."""
     if random.uniform() < 0.5:
         return f"sinc({random.uniform(30, 300):.6g}*r)"
-    rate = 2 * pi / _log_uniform(random, (0.5 * PAD_LENGTH_M, 3 * PAD_LENGTH_M))
+    rate = 2 * pi / log_uniform(random, (0.5 * PAD_LENGTH_M, 3 * PAD_LENGTH_M))
     angle, phase = random.uniform(0, pi), random.uniform(0, 2 * pi)
     return f"cos({rate * cos(angle):.6g}*x+{rate * sin(angle):.6g}*y+{phase:.6g})"
 

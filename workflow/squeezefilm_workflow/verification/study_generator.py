@@ -1,7 +1,7 @@
 """Random studies: film, gas, vibration and ranges, each drawn from a seed as a configuration."""
 
 import json
-from math import cos, hypot, log10, pi, radians, sin
+from math import cos, hypot, pi, radians, sin
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import pandas as pd
 
 from squeezefilm.api.models import Study
 from squeezefilm.config.loading import parse_config
+from squeezefilm_workflow.verification.random_films import log_uniform
 
 # Of the vibration.
 WAVELENGTH_RANGE_M = (3e-3, 30e-3)
@@ -60,7 +61,7 @@ def random_study_values(seed: int, *, kind: str = "any") -> dict[str, Any]:
     """The configuration of a seed's study, as a file would have it; of a scan what is scanned."""
     random = np.random.default_rng(seed)
     pad = _random_pad(random)
-    gap_m = _log_uniform(
+    gap_m = log_uniform(
         random,
         UNUSUAL_SMALLEST_GAP_RANGE_M
         if random.uniform() < UNUSUAL_STUDY_FRACTION
@@ -85,25 +86,19 @@ def random_study_values(seed: int, *, kind: str = "any") -> dict[str, Any]:
     }
 
 
-def _log_uniform(random: np.random.Generator, limits: tuple[float, float]) -> float:
-    """Uniform in its logarithm."""
-    low, high = limits
-    return float(10 ** random.uniform(log10(low), log10(high)))
-
-
 def _random_gas(random: np.random.Generator) -> dict[str, Any]:
     """Air under some pressure, or another gas."""
     gas: dict[str, Any] = {
-        "ambient_pressure": _log_uniform(random, (3e4, 5e5)),
+        "ambient_pressure": log_uniform(random, (3e4, 5e5)),
         "rarefaction": str(random.choice(["none", "none", "slip", "fukui-kaneko"])),
         **{term: str(random.choice(["auto", "auto", "none"])) for term in ("inertia", "thermal")},
     }
     if random.uniform() < 0.5:
         return gas
     return gas | {
-        "viscosity": _log_uniform(random, (8e-6, 3e-5)),
-        "density": _log_uniform(random, (0.1, 6.0)),
-        "mean_free_path": _log_uniform(random, (2e-8, 3e-7)),
+        "viscosity": log_uniform(random, (8e-6, 3e-5)),
+        "density": log_uniform(random, (0.1, 6.0)),
+        "mean_free_path": log_uniform(random, (2e-8, 3e-7)),
         "prandtl": random.uniform(0.6, 0.8),
         "heat_capacity_ratio": random.uniform(1.1, 1.66),
         "viscosity_exponent": random.uniform(0.6, 1.0),
@@ -112,13 +107,13 @@ def _random_gas(random: np.random.Generator) -> dict[str, Any]:
 
 def _random_pad(random: np.random.Generator) -> dict[str, Any]:
     """A square, a rectangle, a disc or an ellipse, turned by any angle."""
-    length_m = _log_uniform(
+    length_m = log_uniform(
         random,
         SMALL_PAD_LENGTH_RANGE_M
         if random.uniform() < UNUSUAL_STUDY_FRACTION
         else PAD_LENGTH_RANGE_M,
     )
-    aspect = float(random.choice([1.0, _log_uniform(random, (0.5, 2.0))]))
+    aspect = float(random.choice([1.0, log_uniform(random, (0.5, 2.0))]))
     return {
         "shape": str(random.choice(["rectangle", "rectangle", "ellipse"])),
         "length_x": length_m,
@@ -134,7 +129,7 @@ def _random_actuator(
 
     The surface has room for the pad and as much again.
     """
-    wavelength_m = _log_uniform(random, WAVELENGTH_RANGE_M)
+    wavelength_m = log_uniform(random, WAVELENGTH_RANGE_M)
     reach_m = hypot(pad["length_x"], pad["length_y"]) / 2
     direction_deg = float(random.choice([0.0, random.uniform(0, 180)]))
     kind = str(random.choice(VIBRATION_KINDS, p=probabilities))
@@ -155,7 +150,7 @@ def _random_actuator(
         c, s = abs(cos(angle)), abs(sin(angle))
         sides = {"length_x": 2 * room * (c * x + s * y), "length_y": 2 * room * (s * x + c * y)}
         surface = {"surface": {"shape": "rectangle", **sides}}
-    return {"frequency": _log_uniform(random, FREQUENCY_RANGE_HZ), **surface, "profile": profile}
+    return {"frequency": log_uniform(random, FREQUENCY_RANGE_HZ), **surface, "profile": profile}
 
 
 def _simulated_scan_csv(study: Study, seed: int) -> str:

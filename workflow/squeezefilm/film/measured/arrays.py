@@ -12,7 +12,7 @@ from squeezefilm.errors import InputError
 ARRAY_SUFFIXES = (".mat", ".npy", ".npz")
 MIN_MATRIX_COLUMNS = 8
 MATRIX_LINE_PATTERN = re.compile(r"[#%!\s]*(width|height|value units)\s*:\s*(.*?)\s*$", re.I)
-LENGTH_PATTERN = re.compile(r"([\d.,]+(?:e[-+]?\d+)?)\s*(\S+)", re.I)
+LENGTH_PATTERN = re.compile(r"(\d+(?:[.,]\d*)?(?:e[-+]?\d+)?)\s*(\S+)", re.I)
 ARRAYS_FORMAT_TEXT = (
     "variables of equal size named as columns are, such as x_mm, y_mm, amplitude_um"
 )

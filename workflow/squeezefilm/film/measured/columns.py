@@ -358,8 +358,8 @@ def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
     if unknown:
         units = ", ".join(repr(each.unit) for each in unknown)
         problems.append(
-            f"the unit {units} of {_quoted_names(unknown)} is not known; write another, as in "
-            f"{_suggested_names(unknown)}"
+            f"the unit {units} of {_quoted_names(unknown)} is not known; write another into "
+            f"the header, as in {_suggested_names(unknown)}"
         )
     if bare:
         problems.append(

@@ -78,7 +78,8 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     if result is None or result.result_column not in table:
         raise InputError(
             f"there is nothing to draw; a table has one of {', '.join(DRAWN_RESULT_OF_COLUMN)}; "
-            "`squeezefilm plot profile FILE` draws the table of a profile"
+            "of a scan `squeezefilm profile --table FILE` makes what `squeezefilm plot profile "
+            "FILE` draws"
         )
     factors = [name for name in (*result.factor_columns, *POSITION_COLUMNS) if name in table]
     counts = {name: table[name].nunique() for name in factors}

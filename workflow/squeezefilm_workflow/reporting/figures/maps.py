@@ -7,6 +7,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.collections import Collection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator
@@ -113,7 +114,11 @@ def amplitudes(results: Results) -> Figure:
     axes.margins(0.15)
     axes.set(xlabel="pad's centre, $x$ (mm)", ylabel="pad's centre, $y$ (mm)")
     axes.grid(True)
-    figure.legend(loc="outside upper center", ncols=3, handletextpad=0.2)
+    legend = figure.legend(loc="outside upper center", ncols=3, handletextpad=0.2)
+    for handle in legend.legend_handles:  # of marks: a colour is that of an amplitude
+        if isinstance(handle, Collection):
+            handle.set_array(None)
+            handle.set_facecolor("white")
     first = table.iloc[0]
     where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
     errors = f"Largest error of the model: {bound_percent_text(float(first['worst_error']))}."
