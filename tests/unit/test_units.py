@@ -133,5 +133,5 @@ def test_an_effect_far_below_its_error_is_shown_as_a_bound():
     effects |= {"flow_factor": Effect(-0.00033, 0.06), "depth_averaged": Effect(-1.1, 1.0)}
     row = budget_row(ErrorBudget(effects, 0.0, (-2.2, 0.0))) | {"force_n": 0.1}
     lines = dict(re.split(r"\s{2,}", line.strip()) for line in result_lines_text(row).splitlines())
-    assert lines["slip beyond first order"] == "within ± 0.06 %"
+    assert lines["slip beyond first order"] == "within ± 0.061 %"
     assert lines["depth averaged"] == "-0.0011 N, -1.1 % ± 1 %"

@@ -60,7 +60,7 @@ JOINT_LAWS = (
 # Relative error of the force that an iteration of the state may leave.
 STATE_FORCE_TOLERANCE = 1e-5
 # Change of the effect, over it, at which the iteration ends; steps that it may take.
-EFFECT_CHANGE_TOLERANCE, MAX_EDGE_ITERATIONS = 3e-3, 30
+EFFECT_CHANGE_TOLERANCE, MAX_EDGE_ITERATIONS = 3e-3, 100
 # Part of that which the next change may take, if expected by the fall of the last two.
 CONVERGENCE_SAFETY_FACTOR = 20
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
