@@ -134,4 +134,4 @@ def test_an_effect_far_below_its_error_is_shown_as_a_bound():
     row = budget_row(ErrorBudget(effects, 0.0, (-2.2, 0.0))) | {"force_n": 0.1}
     lines = dict(re.split(r"\s{2,}", line.strip()) for line in result_lines_text(row).splitlines())
     assert lines["slip beyond first order"] == "within ± 0.061 %"
-    assert lines["depth averaged"] == "-0.0011 N, -1.1 % ± 1 %"
+    assert lines["depth averaged"] == "-0.0011 N, -1.1 % ± 1.0 %"
