@@ -28,6 +28,7 @@ def functions():
 def folder(repository, tmp_path, monkeypatch):
     (tmp_path / "config").mkdir()
     shutil.copy(repository / "config/quick.yaml", tmp_path / "config/paper.yaml")
+    shutil.copy(repository / "config/levitation.yaml", tmp_path / "config/levitation.yaml")
     monkeypatch.chdir(tmp_path)
 
 

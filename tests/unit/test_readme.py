@@ -9,6 +9,8 @@ import pytest
 import yaml
 
 from squeezefilm.cli.main import main
+from squeezefilm.formatting import interval_text
+from squeezefilm.units import round_up_error
 
 from ..docs.commands import missing_lines, shown_on
 
@@ -52,10 +54,15 @@ def test_the_page_on_the_modelling_error_shows_what_the_command_gives(repository
         assert main(["error-budget", "--h0", f"{h0_um}um", "--hv", "2um", *x, "--json"]) == 0
         budget = json.loads(capsys.readouterr().out)
         names = ("inertia", "thermal", "slip", "edge_loss", "edge_loss_upper", "edge_flow")
-        names += ("modelling_error_lower", "modelling_error_upper")
         numbers = [budget[f"{name}_percent"] for name in names]
+        error = round_up_error(budget["edge_flow_error_percent"])
+        ends = (budget[f"modelling_error_{end}_percent"] for end in ("lower", "upper"))
         shown = [text.replace("−", "-") for text in re.findall(r"[+−][\d.]+", cells)]
-        assert shown == [f"{number:+#.2g}".rstrip(".") for number in numbers]
+        assert shown == [
+            *(f"{number:+#.2g}".rstrip(".") for number in numbers),
+            *interval_text(*ends).split(" to "),
+        ]
+        assert re.findall(r"± ([\d.]+)", cells) == [f"{error:#.2g}".rstrip(".")]
 
 
 def test_the_citation_is_of_this_version_of_the_software(repository, capsys):

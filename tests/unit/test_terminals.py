@@ -15,7 +15,7 @@ ENCODINGS = ("ascii", "cp437", "cp932", "latin-1")
 FORCE = ("simulate", "--h0", "5um", "--hv", "2.2um", "--tolerance", "1e-4")
 PRINTED = {
     "--help": (0, "Forces, fields and fitted models"),
-    " ".join(FORCE): (0, "operating point    h0 = 5 "),
+    " ".join(FORCE): (0, "operating point         h0 = 5 "),
     "config config/quick.yaml": (0, "study: quick"),
     "config config/ñandú-σ.yaml": (2, "there is no such configuration file"),
     "simulate --h0 5µm --hv 1°": (2, "must be one number with its unit: m, mm, um"),
@@ -45,8 +45,8 @@ def test_substitutes_say_what_the_characters_say(monkeypatch):
     monkeypatch.setattr("sys.stdout", terminal)
     assert main(FORCE) == 0
     told = terminal.buffer.getvalue().decode("ascii")
-    assert "numerical error    +/- " in told
-    assert "operating point    h0 = 5 um, hv = 2.2 um, x = 0 m" in told
+    assert "numerical error         +/- " in told
+    assert "operating point         h0 = 5 um, hv = 2.2 um, x = 0 m" in told
     assert " x 16 (x, y, time)" in told
 
 
@@ -71,4 +71,4 @@ def test_a_locale_without_letters_beyond_ascii_has_forces():
         check=False,
     )
     assert told.returncode == 0, told.stderr
-    assert b"numerical error    +/- " in told.stdout
+    assert b"numerical error         +/- " in told.stdout

@@ -15,7 +15,7 @@ inertia of gas outside:
 
 n outward. Both factors are those of a small oscillation (verification/edge_flow.py). At the
 distance R the pressure is ambient: where the wave of sound that leaves the edge is no longer near,
-or the pad's other sides are as near.
+or the pad's other sides are as near. The pad has an upright side, and the surface goes on.
 
 The edge's pressure and the film's state are solved for in turn, each with the other's last one,
 until the force settles.
@@ -47,9 +47,10 @@ from squeezefilm.solution import Solution
 EDGE_LOSS_COEFFICIENTS = (1.0, 1.54)
 # Of flow around the edge: its resistance, its inertance without ln(R/h0)/(6π), and the distance R
 # over that in which a wave of sound turns by 1. Errors of both, over them: of slow flow without
-# slip, for each unit of Re and of Kn (`squeezefilm-verification edge-flow`).
+# slip, for each unit of Re and of Kn (`squeezefilm-verification edge-flow`). Beside a pad that is
+# thin, or ends at the surface's rim, gas spreads to twice the angle: half of the logarithm.
 EDGE_RESISTANCE, EDGE_INERTANCE, NEAR_WAVE_RATIO = 0.64, 0.097, 1.12
-EDGE_RESISTANCE_ERROR, EDGE_INERTANCE_ERROR = (0.1, 0.15, 3.0), (0.2, 0.0, 3.0)
+EDGE_RESISTANCE_ERROR, EDGE_INERTANCE_ERROR = (0.1, 0.15, 3.0), (0.4, 0.0, 3.0)
 # Laws of the pressure on the edge: loss coefficient, and parts of the resistance and inertance of
 # flow around it. Each effect alone; and both together, with what tells the error of the latter.
 SEPARATE_LAWS = (*((coefficient, 0.0, 0.0) for coefficient in EDGE_LOSS_COEFFICIENTS), (0, 1, 1))

@@ -1,7 +1,8 @@
 """A film with all effects solved for together: inertia, thermal effects, slip, flow at the edge.
 
-It shares the equations with the solver (squeezefilm/reynolds/terms: inertia, thermal) and nothing
-else: pressure, velocities and warming at collocation points in space, at all instants together.
+It shares with the solver the equations (squeezefilm/reynolds/terms: inertia, thermal), the law at
+the edge (squeezefilm/quantities/edge_effects.py) and nothing else: pressure, velocities and warming
+at collocation points in space, at all instants together.
 Derivatives are dense matrices, so that a disc's radius, a rectangle and an ellipse are sets of
 points (``points_of_scene``). At the edge
 

@@ -58,7 +58,7 @@ def error_budget(results: Results) -> Figure:
         )
         axes.title.set_fontsize(6)
     shown = _draw_effects(last, along)
-    first = "Differences of solved forces; total: middle of the interval."
+    first = "Differences of solved forces; total: middle of the interval, band: the interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
     notes = f"{first} {parts.interpolation_note(screen)}", f"(g): {place}; {shown}"
     style.add_note(figure, *notes, results.validity_note)
@@ -116,6 +116,9 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
         for name, colour in COLOUR_OF_EFFECT.items():
             values = along[f"{name}_percent"]
             axes.plot(along[place], values, color=colour, **look)
+            if name == "total" and not scattered:
+                ends_of_total = along[MODELLING_ERROR_COLUMNS].to_numpy().T
+                axes.fill_between(along[place], *ends_of_total, color=colour, alpha=0.15, lw=0)
             if look is full and np.isfinite(values.iloc[-1]):
                 ends.append((float(values.iloc[-1]), column_label(name), colour))
     # From the lowest up and none over another.
@@ -128,7 +131,8 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
         )
     axes.set_xlim(least - 0.05 * farthest, farthest + 0.7 * (farthest - least) or 1.0)
     axes.hlines(0, least, farthest, color="black", linewidth=0.5)
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
+    ticks = MaxNLocator(nbins=5, steps=[1, 2, 5, 10]).tick_values(least, farthest)
+    axes.set_xticks([tick for tick in ticks if least <= tick <= farthest])
     label = r"radial position $\phi_r$ (mm)" if on_disc else "$x$ (mm)"
     axes.set(xlabel=label, ylabel="change of the force (%)")
     axes.set_title(f"(g) along {'the radius' if on_disc else 'x'}")
