@@ -61,11 +61,11 @@ def levitate(options: argparse.Namespace) -> None:
     error of the force divided by the stiffness; `h0_error_m` is the numerical error, and
     `h0_measurement_noise_m` what the noise of a scanned profile adds.
 
-    There is no gap where no gap carries the load, where the known part of the modelling error
-    exceeds a tenth of the gap, and outside the limits of validity of the film equation. The
-    `status` of a row gives the reason; a single load ends with exit status 1 and the ranges within
-    the limits of validity. Where `unknown_effects` is not empty, the modelling error is unknown: do
-    not use the gap without a measurement.
+    There is no gap where no gap carries the load, where the modelling error (by the known effects,
+    where one is unknown) exceeds a tenth of the gap, and outside the limits of validity of the
+    film equation. The `status` of a row gives the reason; a single load ends with exit status 1
+    and the ranges within the limits of validity. Where `unknown_effects` is not empty, the
+    modelling error is unknown: do not use the gap without a measurement.
 
     `stiffness_n_per_m` is −∂F/∂h0 for slow motion at constant amplitude; its error does not contain
     the noise of the scan. `stable` refers to vertical motion only. The errors of stiffness,
