@@ -64,6 +64,8 @@ STATE_FORCE_TOLERANCE = 1e-5
 EFFECT_CHANGE_TOLERANCE, MAX_EDGE_ITERATIONS = 3e-3, 100
 # Part of that which the next change may take, if expected by the fall of the last two.
 CONVERGENCE_SAFETY_FACTOR = 20
+# Step of the iteration, over a whole one, below which it has failed.
+MIN_EDGE_STEP = 1e-3
 # Pressures on the edge over the ambient one in whose effects higher orders do not count. At the
 # first no state may be found of a film of large amplitude, at the second rounding counts more.
 TRIAL_EDGE_PRESSURE_RATIOS = (1e-3, 1e-4)
@@ -155,8 +157,8 @@ def _edge_effect_changes_on_grid(
     factors[2] *= edge_inertance(films.scenes)
     change, difference = np.zeros(count * copies), np.full(count * copies, np.nan)
     step, moved = np.ones(count * copies), np.full(count * copies, np.inf)
-    mean_without_law = np.zeros(0)
-    rows = np.arange(count * copies)  # whose force has not settled
+    known, mean_without_law = np.zeros(count * copies, dtype=bool), np.zeros(0)
+    rows = np.arange(count * copies)  # that are still solved for
     for iteration in range(MAX_EDGE_ITERATIONS):
         active = films.at(rows)
         move = edge_pressure_of_flow(active, factors[:, rows]) - active.edge_gauge_pressure
@@ -181,11 +183,11 @@ def _edge_effect_changes_on_grid(
         films.edge_gauge_pressure[rows[~failed]] = edge[~failed]
         films.unknowns[rows[~failed]] = tried.unknowns[~failed]
         step[rows] = np.where(failed, step[rows] / 2, np.minimum(1.5 * step[rows], 1.0))
-        rows = rows[~settled]
+        known[rows[settled]] = True
+        rows = rows[~settled & np.isfinite(change[rows]) & (step[rows] > MIN_EDGE_STEP)]
         if not len(rows):
             break
-    change[rows] = np.nan
-    return change.reshape(copies, count)[1:]
+    return np.where(known, change, np.nan).reshape(copies, count)[1:]
 
 
 def solve_with_edge_pressure(
