@@ -256,6 +256,22 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
     )
 
 
+def test_a_printed_table_names_a_reason_once_below_it(capsys):
+    assert main(["levitate", "--load", "0.1N,0.4N", "--hv", "2um"]) == 0
+    header, without_gap, with_gap, reason = capsys.readouterr().out.splitlines()
+    assert header.split()[-2:] == ["status", "note"]
+    assert without_gap.rstrip().endswith("no gap (1)")
+    assert with_gap.rstrip().endswith("ok")
+    assert reason.startswith("(1) no gap is given for 0.1 N: modified Reynolds number")
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "other"), [("--load", "60g", "--mass"), ("--mass", "2N", "--load")]
+)
+def test_a_weight_and_a_mass_are_told_apart(refused, option, value, other):
+    assert f"; did you mean {other}?" in refused("levitate", option, value, "--hv", "2um")
+
+
 @pytest.mark.parametrize(
     ("hv_m", "loads_n"), [(2e-6, (0.08, 0.09, 0.13, 0.15, 60.0)), (4e-6, (0.4, 0.6, 2.0))]
 )

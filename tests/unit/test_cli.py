@@ -60,6 +60,11 @@ def test_an_option_in_capitals_is_answered_with_the_small_one(capsys):
         ("levitate --weight 1N --hv 2um", "'--weight'; did you mean '--load' or '--mass'?"),
         ("amplitude-for FIT.json --load 1N", "'--load'; did you mean '--force'?"),
         (
+            "levitate --h0 18um --load 1N --hv 2um",
+            "'--h0'; `squeezefilm levitate` finds the gap; for a given gap use `squeezefilm "
+            "simulate`;",
+        ),
+        (
             "levitate --load 1N --hv 2um --outputs power",
             "'--outputs'; `squeezefilm simulate --outputs` computes further quantities at a given "
             "gap;",

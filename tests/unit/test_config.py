@@ -164,7 +164,7 @@ def test_line_ends_and_byte_order_mark_do_not_matter(paper, tmp_path):
     assert dict(load(path)) == dict(load(plain))
 
 
-@pytest.mark.parametrize(("force", "noted"), [("2 N", False), ("30 N", True)])
+@pytest.mark.parametrize(("force", "noted"), [("2 N", False), ("3 N", True), ("30 N", True)])
 def test_a_target_force_beyond_the_screen_is_noted(force, noted, tmp_path):
     """It took a whole run to end with empty amplitudes."""
     path = tmp_path / "study.yaml"

@@ -9,8 +9,10 @@ import pytest
 from matplotlib.colors import to_hex
 
 from squeezefilm.config.loading import load_config
+from squeezefilm.errors import InputError
 from squeezefilm_workflow.paper.figures import four_factor, patterns
 from squeezefilm_workflow.reporting.figures import film, maps, models, parts, style
+from squeezefilm_workflow.reporting.results import Results
 
 EFFECTS = ("inertia", "slip", "thermal", "edge_loss", "edge_flow")
 SCREEN = pd.DataFrame(product([5e-6, 7e-6, 9e-6], [0.5e-6, 1e-6, 1.5e-6, 2e-6]))
@@ -21,7 +23,7 @@ def results(**tables):
     """The results of a study that has these tables alone."""
     return SimpleNamespace(
         validity_note="",
-        budget=lambda plan: tables[plan],
+        budget=lambda plan, *effects: tables[plan],
         scenes=lambda plan: SCREEN,
         table=lambda file, *columns: tables[file.rpartition("/")[2]],
     )
@@ -51,6 +53,21 @@ def test_a_panel_of_the_budget_says_whether_its_effect_is_in_the_forces(included
     titles = [axes.get_title() for axes in figure.axes]
     assert titles[0] == f"(a) {shown}"
     assert titles[1] == "(b) slip, neglected (%)"
+
+
+def test_a_budget_of_an_earlier_version_is_answered_with_what_mends_it(paper, tmp_path):
+    table = budget([""] * len(SCREEN)).assign(unknown_effects="")
+    path = tmp_path / "simulations/screen/error_budget.csv"
+    path.parent.mkdir(parents=True)
+    table.drop(columns="edge_flow_percent").to_csv(path, index=False)
+    told = "error_budget.csv: column 'edge_flow_percent' is missing; .*; run `snakemake "
+    with pytest.raises(InputError, match=told):
+        film.error_budget(Results(tmp_path, paper))
+
+
+def test_a_study_without_compared_models_is_told_how_to_compare_them(repository, tmp_path, refused):
+    told = refused("recommend", tmp_path, "--config", repository / "config/paper.yaml")
+    assert "there is no such table; run `snakemake models " in told
 
 
 def test_levitation_shows_every_amplitude_and_no_line_of_contact_crosses_another_amplitude():

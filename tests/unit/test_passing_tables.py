@@ -229,6 +229,11 @@ def test_results_of_other_commands_do_not_stand_beside_predictions(run, written)
     assert {"point_id", "h0_m", "hv_m", "force_n", "error_95_n"} <= {*predicted}
 
 
+def test_an_unknown_model_is_no_fault_of_the_forces(written, refused, study):
+    words = ("--model=none", f"--config={study}", "--output=x.json")
+    assert "squeezefilm: error: model 'none' is unknown" in refused("fit", written["curve"], *words)
+
+
 def test_a_file_is_named_once(written, refused, study):
     fit, config = written["fit"], f"--config={study}"
     for words in (

@@ -48,7 +48,8 @@ IN, SLIP, KINETIC = (
         ({"h0_um": 5, "side_m": 1e-5}, f"h0/l = 0.5 is above 0.1: {NOT_APPLICABLE_TEXT}"),
         (
             {"h0_um": 1e-3, "hv_um": 1e-4},
-            f"Kn = 67 is above 0.18 (viscous flow): {NOT_APPLICABLE_TEXT}",
+            f"Kn = 67 is above 0.18 (viscous flow): {NOT_APPLICABLE_TEXT} (use gas.rarefaction: "
+            "fukui-kaneko)",
         ),
         (
             {"h0_um": 0.6, **SLIP},

@@ -60,6 +60,15 @@ def prefix_errors(source: object) -> Iterator[None]:
 
 
 @contextmanager
+def append_remedy(remedy: str) -> Iterator[None]:
+    """Put what mends it behind an InputError from within."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{error}; {remedy}") from None
+
+
+@contextmanager
 def imports_from_extra(extra: str, *, what: str) -> Iterator[None]:
     """Imports within are of packages that only an extra of the library brings.
 

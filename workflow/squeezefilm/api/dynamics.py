@@ -31,7 +31,10 @@ def parse_loads_and_mass(
     for name, values, unit in (("load", load, "N"), ("mass", mass, "kg")):
         if values is not None:
             called = option.format(name)
-            values_of[name] = parse_factor_values(values, called=called, unit=unit)
+            try:
+                values_of[name] = parse_factor_values(values, called=called, unit=unit)
+            except InputError as error:
+                raise InputError(f"{error}{_other_quantity_hint(values, name, option)}") from None
             if min(values_of[name]) <= 0:
                 raise InputError(f"{called} {values!r} must be positive")
     masses = values_of.get("mass", [])
@@ -39,6 +42,16 @@ def parse_loads_and_mass(
         raise InputError(f"give {option.format('load')}, or one {option.format('mass')}")
     loads_n = values_of.get("load") or [GRAVITY_M_PER_S2 * mass_kg for mass_kg in masses]
     return loads_n, masses[0] if masses else None
+
+
+def _other_quantity_hint(values: FactorValues, name: str, option: str) -> str:
+    """Return a hint where a load is written as a mass or a mass as a load; empty otherwise."""
+    other, unit = {"load": ("mass", "kg"), "mass": ("load", "N")}[name]
+    try:
+        parse_factor_values(values, called=other, unit=unit)
+    except InputError:
+        return ""
+    return f"; did you mean {option.format(other)}?"
 
 
 def levitation_scenes(

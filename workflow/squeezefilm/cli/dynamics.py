@@ -61,11 +61,11 @@ def levitate(options: argparse.Namespace) -> None:
     error of the force divided by the stiffness; `h0_error_m` is the numerical error, and
     `h0_measurement_noise_m` what the noise of a scanned profile adds.
 
-    There is no gap where no gap carries the load, where the known part of the modelling error
-    exceeds a tenth of the gap, and outside the limits of validity of the film equation. The
-    `status` of a row gives the reason; a single load ends with exit status 1 and the ranges within
-    the limits of validity. Where `unknown_effects` is not empty, the modelling error is unknown: do
-    not use the gap without a measurement.
+    There is no gap where no gap carries the load, where the modelling error (by the known effects,
+    where one is unknown) exceeds a tenth of the gap, and outside the limits of validity of the
+    film equation. The `status` of a row gives the reason; a single load ends with exit status 1
+    and the ranges within the limits of validity. Where `unknown_effects` is not empty, the
+    modelling error is unknown: do not use the gap without a measurement.
 
     `stiffness_n_per_m` is −∂F/∂h0 for slow motion at constant amplitude; its error does not contain
     the noise of the scan. `stable` refers to vertical motion only. The errors of stiffness,
@@ -99,13 +99,25 @@ def levitate(options: argparse.Namespace) -> None:
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     if not alone:
         table = levitation_table(rows, resonances=mass_kg is not None)
+        reasons: list[str] = []
+        if options.output is None:
+            table["status"], reasons = _numbered_reasons(table["status"])
         write_or_print_rows(table.assign(**study_name_column(options)), options)
+        print(*reasons, sep="\n", end="\n" if reasons else "")
         return
     status = rows[0]["status"]
     if options.json or status == OK:
         print(result_text(rows[0], options))
     if status != OK:
         raise RunError(f"{status}; {valid_range_text(scenes[0], **levitation_settings(film))}")
+
+
+def _numbered_reasons(statuses: pd.Series) -> tuple[pd.Series, list[str]]:
+    """Return short statuses for the screen, and the reasons that they refer to by a number."""
+    reasons = [status for status in statuses.unique() if status != OK]
+    numbers = {reason: f"({number})" for number, reason in enumerate(reasons, start=1)}
+    short = {reason: f"no gap {number}" for reason, number in numbers.items()}
+    return statuses.replace(short), [f"{number} {reason}" for reason, number in numbers.items()]
 
 
 def _levitation_text(row: dict[str, Any]) -> str:

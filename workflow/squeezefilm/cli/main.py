@@ -65,7 +65,8 @@ SYNONYMS_OF_OPTION = {
 }
 """What people call options, by the names that options have here, without dashes."""
 HINTS_TO_OTHER_COMMANDS = {
-    "outputs": "`squeezefilm simulate --outputs` computes further quantities at a given gap; "
+    "h0": "`squeezefilm levitate` finds the gap; for a given gap use `squeezefilm simulate`; ",
+    "outputs": "`squeezefilm simulate --outputs` computes further quantities at a given gap; ",
 }
 """By the names of options, for commands that do not have them."""
 COMMAND_NAME_WIDTH, OVERVIEW_WIDTH = 18, 100

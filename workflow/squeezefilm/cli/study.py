@@ -88,15 +88,20 @@ def fit(options: argparse.Namespace) -> None:
     """
     from squeezefilm.api.models import Fit
     from squeezefilm.models.force_model import get_model
-    from squeezefilm.studies.tasks.fits import fit_to_forces
+    from squeezefilm.studies.tasks.fits import fit_to_forces, profile_uncertainty_fraction
 
     config = load_config(options.config)
+    model = get_model(options.model, config.models, source=options.config)
+    forces = read_ok_forces(options.forces)
+    sample = read_forces(options.sample) if options.sample else None
+    uncertainty = profile_uncertainty_fraction(config)
     with prefix_errors(options.forces):
         fitted, runs = fit_to_forces(
-            get_model(options.model, config.models, source=options.config),
+            model,
             config,
-            forces=read_ok_forces(options.forces),
-            sample=read_forces(options.sample) if options.sample else None,
+            forces=forces,
+            sample=sample,
+            uncertainty=uncertainty,
             seeds=options.seeds,
             processes=options.processes,
             source={"forces_sha256": file_digest(Path(options.forces))},

@@ -367,7 +367,7 @@ def target_force_notes(config: Study) -> Iterator[str]:
     """Yield a note where no amplitude of the screen gives the target force.
 
     As σ → ∞ a film with a parallel gap gives at most the force of a piston,
-    p0 A (√((1 + 3/2 ε²)/(1 − ε²)) − 1); inertia and heat add less than as much again.
+    p0 A (√((1 + 3/2 ε²)/(1 − ε²)) − 1), without inertia and thermal effects.
     """
     target, hv_m = config.extrapolation, config.screen.hv_m.stop
     ratio_squared = (hv_m / target.h0_m) ** 2
@@ -375,11 +375,12 @@ def target_force_notes(config: Study) -> Iterator[str]:
         return
     pressure_ratio = math.sqrt((1 + 1.5 * ratio_squared) / (1 - ratio_squared)) - 1
     limit_n = config.gas.ambient_pressure_pa * config.pad.area_m2 * pressure_ratio
-    if target.force_n > 2 * limit_n:
+    if target.force_n > limit_n:
         yield (
             f"extrapolation.force: {target.force_n:g} N is beyond the screen: at h0 = "
-            f"{1e6 * target.h0_m:g} µm and hv = {1e6 * hv_m:g} µm a film gives about "
-            f"{limit_n:.2g} N at most; recommended amplitudes would not be validated"
+            f"{1e6 * target.h0_m:g} µm and hv = {1e6 * hv_m:g} µm no film gives more than about "
+            f"{limit_n:.2g} N without inertia and thermal effects; "
+            "recommended amplitudes would not be validated"
         )
 
 

@@ -32,6 +32,7 @@ ERROR_UNVERIFIED_TEXT, NOT_APPLICABLE_TEXT = (
     "modelling error unverified",
     "the equation does not apply",
 )
+RAREFIED_REMEDY_TEXT = "use gas.rarefaction: fukui-kaneko"
 # Squeeze number below which gas is pumped in and out and hardly compressed.
 THICK_FILM_SIGMA = 20.0
 # Roughness Ra of a finely ground or lapped surface, in m.
@@ -113,9 +114,9 @@ class ValidityLimit:
         number = f"{value:.3g}" if isfinite(value) else "infinite (the gap closes)"
         named = f"{self.quantity} {self.symbol} = {number}"
         above = f"{float(f'{bound:.2g}'):g}{kind}"
-        return (
-            f"{named} is above {above}: {NOT_APPLICABLE_TEXT if never else ERROR_UNVERIFIED_TEXT}"
-        )
+        consequence = NOT_APPLICABLE_TEXT if never else ERROR_UNVERIFIED_TEXT
+        remedy = f" ({RAREFIED_REMEDY_TEXT})" if never and self.symbol == "Kn" else ""
+        return f"{named} is above {above}: {consequence}{remedy}"
 
 
 def _read_limits(path: Path) -> tuple[ValidityLimit, ...]:

@@ -15,7 +15,7 @@ from squeezefilm.cli.options import (
     table_output_option,
     write_or_print_rows,
 )
-from squeezefilm.errors import InputError, RunError, prefix_errors
+from squeezefilm.errors import InputError, RunError, append_remedy, prefix_errors
 from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, read_columns, write_table
@@ -162,7 +162,8 @@ def recommend(options: argparse.Namespace) -> None:
     )
 
     results = Results.of_folder(options.results, options.config)
-    table = recommendation_table(results)
+    with append_remedy("run `snakemake models --configfile CONFIG.yaml`"):
+        table = recommendation_table(results)
     if table["model"].isna().all():
         raise RunError(f"{options.results}: no model can be judged; models/*.html say why")
     reason = missing_amplitude_text(table)

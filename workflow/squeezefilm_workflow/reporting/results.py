@@ -9,7 +9,7 @@ import pandas as pd
 
 from squeezefilm.config.loading import STUDY_FILE_NAME, load_config
 from squeezefilm.config.study import Study
-from squeezefilm.errors import InputError
+from squeezefilm.errors import InputError, append_remedy
 from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.tables import (
@@ -89,9 +89,9 @@ class Results:
     def budget(self, plan: str, *effects: str) -> pd.DataFrame:
         """Return the neglected effects on the forces of a plan, which has at least these."""
         columns = (*MODELLING_ERROR_COLUMNS, "unknown_effects", "included_effects")
-        table = self.table(
-            f"simulations/{plan}/error_budget.csv", "h0_m", "hv_m", *columns, *effects
-        )
+        file = f"simulations/{plan}/error_budget.csv"
+        with append_remedy("run `snakemake --configfile CONFIG.yaml` again"):
+            table = self.table(file, "h0_m", "hv_m", *columns, *effects)
         texts = ("unknown_effects", "included_effects")
         return table.assign(**{name: table[name].astype(object).fillna("") for name in texts})
 

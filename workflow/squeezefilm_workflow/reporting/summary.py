@@ -185,7 +185,8 @@ def modelling_error_text(results: Results) -> str:
 
 def _effect_rows(results: Results) -> pd.DataFrame:
     """Each effect at the screen's least and largest gap, at its largest amplitude."""
-    table = results.budget("screen")
+    effects = (f"{name}_percent" for name in EFFECT_COLUMN_STEMS)
+    table = results.budget("screen", *effects)
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
     shown: dict[str, Any] = {"effect": list(map(column_label, EFFECT_COLUMN_STEMS))}
     for _, row in table.iloc[[0, -1]].iterrows():

@@ -75,7 +75,8 @@ def _panel_title(included_effects: pd.Series, name: str) -> str:
 
 
 def _budgets_of_plan(results: Results, plan: str) -> pd.DataFrame:
-    table = results.budget(plan)
+    effects = (f"{name}_percent" for name in COLOUR_OF_EFFECT if name != "total")
+    table = results.budget(plan, *effects)
     lengths = [name for name in find_position_columns(table) if name.endswith("_m")]
     return parts.with_micrometre_columns(table).assign(
         **{f"{name[:-1]}mm": parts.metres_to_micrometres(table[name]) / 1e3 for name in lengths},
