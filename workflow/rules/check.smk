@@ -1,18 +1,5 @@
 # A finished study beside its stored reference: `snakemake check`.
 
-REFERENCE = RULES.parents[1] / "tests" / "reference" / STUDY
-
-
-def reference_files(wildcards):
-    """The study's stored reference, which is missed before anything is made."""
-    paths = sorted(REFERENCE.glob("*.*"))
-    if not paths:
-        from snakemake.exceptions import WorkflowError
-        from squeezefilm_workflow.reporting.check import missing_reference_text
-
-        raise WorkflowError(missing_reference_text(REFERENCE))
-    return [source_file(path) for path in paths]
-
 
 rule checked:
     input:

@@ -317,6 +317,20 @@ onstart:
         refuse(error)
 
 
+REFERENCE = RULES.parents[1] / "tests" / "reference" / STUDY
+
+
+def reference_files(wildcards):
+    """The study's stored reference, which is missed before anything is made."""
+    paths = sorted(REFERENCE.glob("*.*"))
+    if not paths:
+        from snakemake.exceptions import WorkflowError
+        from squeezefilm_workflow.reporting.check import missing_reference_text
+
+        raise WorkflowError(missing_reference_text(REFERENCE))
+    return [source_file(path) for path in paths]
+
+
 # Pages that show what others show too, the last one to be made first.
 FRONT_PAGES = ["check", "equations", "summary"]
 STARTED_S = time.time()
