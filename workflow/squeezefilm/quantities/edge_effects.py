@@ -15,7 +15,7 @@ inertia of gas outside:
 
 n outward. Both factors are those of a small oscillation (verification/edge_flow.py). At the
 distance R the pressure is ambient: where the wave of sound that leaves the edge is no longer near,
-or the pad's other sides are as near. The pad has an upright side, and the surface goes on.
+or the pad's other sides are as near. The pad has an upright side; the surface extends beyond it.
 
 The edge's pressure and the film's state are solved for in turn, each with the other's last one,
 until the force settles.

@@ -11,7 +11,7 @@ from squeezefilm.config.loading import differences_from_paper
 from squeezefilm.film.pad import net_points_on_pad
 from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
 from squeezefilm.film.scene import Gas
-from squeezefilm.formatting import column_label
+from squeezefilm.formatting import column_label, interval_text
 from squeezefilm.provenance import provenance_record
 from squeezefilm.units import error_text, value_and_error_texts
 from squeezefilm_workflow.reporting.models import rows_of_extreme_amplitudes
@@ -177,10 +177,10 @@ def modelling_error_text(results: Results) -> str:
     lower, upper = MODELLING_ERROR_COLUMNS
     bounds = table.groupby("h0_m").agg({lower: "min", upper: "max"}).iloc[[0, -1]]
     texts = [
-        f"{signed_text(low)}…{signed_text(high)} % (h0 = {1e6 * h0_m:g} µm)"
+        f"{interval_text(low, high).replace(' to ', '…')} % (h0 = {1e6 * h0_m:g} µm)"
         for h0_m, low, high in bounds.itertuples()
     ]
-    return " to ".join(dict.fromkeys(texts))
+    return " to ".join(dict.fromkeys(texts)).replace("-", "−")
 
 
 def _effect_rows(results: Results) -> pd.DataFrame:
