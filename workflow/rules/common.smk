@@ -84,13 +84,14 @@ config = {"study_file": str(CONFIG.path)}
 STUDY = CONFIG.study
 # Claims, tables and figures of the paper mean nothing in a study of another actuator.
 PAPER = CONFIG.paper
-# Numbers order the report's categories; a study of one's own has no tables of the paper.
+# Numbers order the report's categories. A study of one's own has no tables of the paper; what some
+# studies lack comes last.
 CATEGORY = {
     name: f"{number} {name}"
     for number, name in enumerate(
         ["Summary and claims" if PAPER else "Summary"]
         + ["Tables"] * PAPER
-        + ["Figures", "Numerics", "Check", "Models", "Designs and refinement"],
+        + ["Figures", "Models", "Designs and refinement", "Check", "Numerics"],
         start=1,
     )
 }
