@@ -16,7 +16,8 @@ from test_slow_film import disc_stiffness
 
 from squeezefilm.api.film import Film
 from squeezefilm.cli.main import main
-from squeezefilm.dynamics.levitation import OVERDAMPED_STATUS, levitate, resonance
+from squeezefilm.dynamics.levitation import levitate
+from squeezefilm.dynamics.resonance import OVERDAMPED_STATUS, resonance
 from squeezefilm.errors import RunError
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device

@@ -11,8 +11,8 @@ from physics_facts import piston_response
 from scipy.special import ive
 
 from squeezefilm.dynamics.averaged_film import PeriodAveragedFilm
-from squeezefilm.dynamics.levitation import stiffness_averaging_error
 from squeezefilm.dynamics.pad_grid import disc_grid, outline_grid, rectangle_grid
+from squeezefilm.dynamics.resonance import stiffness_averaging_error
 from squeezefilm.dynamics.response import (
     GAIN_AVERAGING_ERROR_FACTOR,
     GAIN_LAYER_LAG_ERROR_FACTOR,

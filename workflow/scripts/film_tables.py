@@ -7,7 +7,7 @@ import pandas as pd
 
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import budget_table, scan_error_function
-from squeezefilm.dynamics.levitation import (
+from squeezefilm.dynamics.levitation_tables import (
     levitation_rows,
     levitation_table,
     loads_and_amplitudes_of_table,

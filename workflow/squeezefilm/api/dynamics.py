@@ -7,7 +7,7 @@ from typing import Any
 
 from squeezefilm.api.film import FactorValues, Film, parse_factor_values
 from squeezefilm.api.forces import scan_error_function
-from squeezefilm.dynamics.levitation import levitation_rows
+from squeezefilm.dynamics.levitation_tables import levitation_rows
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAP_RANGE_M

@@ -383,7 +383,7 @@ class Film:
         """
         from squeezefilm.api.dynamics import levitation_scenes, levitations, parse_loads_and_mass
         from squeezefilm.api.points import Points
-        from squeezefilm.dynamics.levitation import levitation_table
+        from squeezefilm.dynamics.levitation_tables import levitation_table
 
         loads_n, mass_kg = parse_loads_and_mass(load, mass)
         scenes = levitation_scenes(self, factor_combinations(hv=hv, **position))

@@ -30,7 +30,8 @@ from squeezefilm.cli.options import (
     table_output_option,
     write_or_print_rows,
 )
-from squeezefilm.dynamics.levitation import levitation_table, valid_range_text
+from squeezefilm.dynamics.levitation import valid_range_text
+from squeezefilm.dynamics.levitation_tables import levitation_table
 from squeezefilm.dynamics.response import gain_table, response_table, start_and_stop_table
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.validity import OK
