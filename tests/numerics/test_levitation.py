@@ -68,6 +68,27 @@ def test_a_heavy_mass_swings_on_the_slow_spring_and_a_light_one_on_gas_that_stay
     assert all(each.reason == OVERDAMPED_STATUS for each in moving if np.isnan(each.frequency_hz))
 
 
+def test_near_critical_damping_it_is_not_known_whether_a_part_oscillates():
+    """Errors of the stiffness move the mass from which on nothing oscillates."""
+    scene = film(epsilon=0.15, sigma=500.0, inertia="included")
+    (force,) = solve([scene], tolerance=1e-3, device=DEVICE)
+    found = levitate(scene, load_n=force.force_n, **SETTINGS | {"tolerance": 1e-3})
+
+    swinging, damped = (
+        found.stiffness_n_per_m
+        / (np.array([0.01, 0.003]) * scene.actuator.angular_frequency_rad_per_s) ** 2
+    )
+    assert resonance(found, mass_kg=swinging).frequency_hz > 0
+    assert resonance(found, mass_kg=damped).reason == OVERDAMPED_STATUS
+    for _ in range(10):
+        between = (swinging * damped) ** 0.5
+        if resonance(found, mass_kg=between).frequency_hz > 0:
+            swinging = between
+        else:
+            damped = between
+    assert resonance(found, mass_kg=damped).reason.startswith("resonance not known")
+
+
 @pytest.mark.parametrize(("inertia", "denser"), [("none", 1), ("included", 6)])
 def test_a_levitated_disc_oscillates_as_bessel_functions_say(inertia, denser):
     """Small vibration: with k the film has the stiffness of the film at rest, exact across the gap.
@@ -172,8 +193,10 @@ SMALL_DISC = {
 def levitated(tmp_path, *words: str, **sections) -> pd.DataFrame:
     output = tmp_path / "levitation.csv"
     words = [*words, "--config", study(tmp_path, **sections), "--output", str(output)]
-    assert main(["levitate", *words]) == 0
-    return pd.read_csv(output, keep_default_na=False, na_values=[""])
+    exit_status = main(["levitate", *words])
+    table = pd.read_csv(output, keep_default_na=False, na_values=[""])
+    assert exit_status == int((table["status"] != "ok").any())
+    return table
 
 
 def test_a_floating_part_oscillates_at_the_root_of_its_equation_of_motion(tmp_path):
@@ -258,7 +281,7 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
 
 
 def test_a_printed_table_names_a_reason_once_below_it(capsys):
-    assert main(["levitate", "--load", "0.1N,0.4N", "--hv", "2um"]) == 0
+    assert main(["levitate", "--load", "0.1N,0.4N", "--hv", "2um"]) == 1
     header, without_gap, with_gap, reason = capsys.readouterr().out.splitlines()
     assert header.split()[-2:] == ["status", "note"]
     assert without_gap.rstrip().endswith("no gap (1)")
@@ -349,8 +372,9 @@ def test_a_table_keeps_every_load_with_a_reason_where_it_has_no_gap(tmp_path, ca
     """And each is told as soon as it is known."""
     output = tmp_path / "levitation.csv"
     words = ["levitate", "--load", "0.5N,1000N", "--hv", "1.5um", "--output", str(output)]
-    assert main(words) == 0
-    first, second = capsys.readouterr().err.splitlines()
+    assert main(words) == 1
+    first, second, last = capsys.readouterr().err.splitlines()
+    assert last == "squeezefilm: error: 1 of 2 rows have no gap: `status` has the reason"
     assert first.startswith("load 0.5 N, hv 1.5 µm: gap 4.6430")
     assert second.startswith("load 1000 N, hv 1.5 µm: no gap from 1.546 µm to 1000 µm carries")
     table = pd.read_csv(output)

@@ -117,7 +117,7 @@ def test_parts_that_do_not_make_the_plan_are_refused(ids, plan, tmp_path):
 def test_doctor_fails_without_a_device_and_says_how_to_mend_it(tmp_path, refused, monkeypatch):
     monkeypatch.setenv("SQUEEZEFILM_DEVICE", "no such device")
     text = refused("doctor", status=1)
-    assert "pip install" in text
+    assert "name one of these, or `auto`" in text
     assert "SQUEEZEFILM_DEVICE" in text
 
 

@@ -245,3 +245,18 @@ def test_a_file_is_named_once(written, refused, study):
         told = refused(*words)
         named = next(word for word in map(str, words) if word.rpartition("=")[2].endswith(".csv"))
         assert told.count(named.rpartition("=")[2]) == 1, told
+
+
+def test_a_levitation_off_centre_keeps_the_position_that_it_was_sought_at(
+    tmp_path, repository, capsys
+):
+    gaps, forces = (str(tmp_path / name) for name in ("gaps.csv", "forces.csv"))
+    study = ["--config", f"{repository}/config/levitation.yaml"]
+    wanted = ["--load=0.4N", "--hv=3um", "--x=0mm,4mm", "--y=8mm", f"--output={gaps}"]
+    assert main(["levitate", *wanted, *study]) == 0
+    assert "hv 3 µm, x 4 mm, y 8 mm: gap" in capsys.readouterr().err
+    assert main(["simulate", gaps, f"--output={forces}", *study]) == 0
+    assert pd.read_csv(forces)["force_n"].to_list() == pytest.approx([0.4, 0.4], rel=2e-3)
+    table = pd.read_csv(gaps)
+    (axes, _) = curve_figure(pd.concat([table, table.assign(load_n=0.5)])).axes
+    assert axes.get_title() == "$h_v$ = 3 µm, $y$ = 8 mm, study levitation"

@@ -30,7 +30,7 @@ def levitation_table_of_forces(study: Film, forces_file: str) -> pd.DataFrame:
     how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
     scan_error_n = scan_error_function(study.scan, device=settings.device)
     rows = levitation_rows(moved, loads_n, how=how, scan_error_n=scan_error_n)
-    return levitation_table(rows, resonances=False)
+    return levitation_table(rows, mass_kg=None)
 
 
 def cross_section_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFrame:

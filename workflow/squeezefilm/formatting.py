@@ -98,9 +98,13 @@ def scene_row(scene: Scene) -> dict[str, Any]:
     thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
     assumed = [thermal if each is Thermal.ABSENT_TERM else each.assumption for each in absent]
     equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
-    position = {name: round(getattr(scene, name), 12) for name in CARTESIAN_COLUMNS}
     numbers = {name: getattr(scene, name) for name in ("h0_m", "hv_m", *DIMENSIONLESS_COLUMNS)}
-    return numbers | position | {"pad_shape": scene.pad.shape, "equation": equation}
+    return numbers | position_row(scene) | {"pad_shape": scene.pad.shape, "equation": equation}
+
+
+def position_row(scene: Scene) -> dict[str, float]:
+    """Return the pad's position, without the last digits of coordinates that were polar."""
+    return {name: round(getattr(scene, name), 12) for name in CARTESIAN_COLUMNS}
 
 
 def number_text(

@@ -10,6 +10,7 @@ import csv
 import difflib
 import io
 import json
+import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
@@ -552,10 +553,13 @@ def check_parquet_installed() -> None:
 def checked_table_path(path: Path | str) -> str:
     """Return the name of a table to write.
 
-    Raises InputError for a name that says that something else is in the file, and for Parquet
-    without the package that writes it: before anything is computed.
+    Raises InputError for a name that says that something else is in the file, for Parquet without
+    the package that writes it, and where no file can be: before anything is computed.
     """
-    suffix = Path(path).suffix
+    suffix, folders = Path(path).suffix, Path(path).absolute().parents
+    folder = next(folder for folder in folders if folder.exists())  # the rest will be made
+    if not (folder.is_dir() and os.access(folder, os.W_OK)):
+        raise InputError(f"{path} cannot be written: {folder} is no folder to write into")
     if suffix == PARQUET_SUFFIX:
         check_parquet_installed()
     if suffix.lower() in UNSUPPORTED_SUFFIXES:

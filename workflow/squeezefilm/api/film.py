@@ -388,7 +388,7 @@ class Film:
         loads_n, mass_kg = parse_loads_and_mass(load, mass)
         scenes = levitation_scenes(self, factor_combinations(hv=hv, **position))
         rows = levitations(self, scenes, loads_n, mass_kg=mass_kg)
-        return Points(levitation_table(rows, resonances=mass_kg is not None))
+        return Points(levitation_table(rows, mass_kg=mass_kg))
 
     def response(
         self, h0: FactorValues, hv: FactorValues, **position: Unpack[Position]

@@ -34,6 +34,7 @@ from squeezefilm.dynamics.levitation import valid_range_text
 from squeezefilm.dynamics.levitation_tables import levitation_table
 from squeezefilm.dynamics.response import gain_table, response_table, start_and_stop_table
 from squeezefilm.errors import InputError, RunError, prefix_errors
+from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.film.validity import OK
 from squeezefilm.formatting import scene_row, value_text
 from squeezefilm.lazy import pd
@@ -64,8 +65,8 @@ def levitate(options: argparse.Namespace) -> None:
 
     There is no gap where no gap carries the load, where the modelling error (by the known effects,
     where one is unknown) exceeds a tenth of the gap, and outside the limits of validity of the
-    film equation. The `status` of a row gives the reason; a single load ends with exit status 1
-    and the ranges within the limits of validity. Where `unknown_effects` is not empty, the
+    film equation. The `status` of a row gives the reason, and the exit status is 1; a single load
+    ends with the ranges within the limits of validity. Where `unknown_effects` is not empty, the
     modelling error is unknown: do not use the gap without a measurement.
 
     `stiffness_n_per_m` is −∂F/∂h0 for slow motion at constant amplitude; its error does not contain
@@ -99,12 +100,14 @@ def levitate(options: argparse.Namespace) -> None:
         without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     if not alone:
-        table = levitation_table(rows, resonances=mass_kg is not None)
+        table = levitation_table(rows, mass_kg=mass_kg)
         reasons: list[str] = []
         if options.output is None:
             table["status"], reasons = _numbered_reasons(table["status"])
         write_or_print_rows(table.assign(**study_name_column(options)), options)
         print(*reasons, sep="\n", end="\n" if reasons else "")
+        if missing := sum(row["status"] != OK for row in rows):
+            raise RunError(f"{missing} of {len(rows)} rows have no gap: `status` has the reason")
         return
     status = rows[0]["status"]
     if options.json or status == OK:
@@ -123,11 +126,11 @@ def _numbered_reasons(statuses: pd.Series) -> tuple[pd.Series, list[str]]:
 
 def _levitation_text(row: dict[str, Any]) -> str:
     """A row in a line, told as soon as it is known."""
-    load, hv = value_text(row["load_n"], "N"), value_text(row["hv_m"], "m")
+    at = [f"load {value_text(row['load_n'], 'N')}", f"hv {value_text(row['hv_m'], 'm')}"]
+    at += [f"{name[0]} {value_text(row[name], 'm')}" for name in CARTESIAN_COLUMNS if row[name]]
     if row["status"] != OK:
-        return f"load {load}, hv {hv}: {row['status']}"
-    gap = value_text(row["h0_m"], "m", error=row["h0_error_m"])
-    return f"load {load}, hv {hv}: gap {gap}"
+        return f"{', '.join(at)}: {row['status']}"
+    return f"{', '.join(at)}: gap {value_text(row['h0_m'], 'm', error=row['h0_error_m'])}"
 
 
 @command(
@@ -200,7 +203,11 @@ def response(options: argparse.Namespace) -> None:
                 "gains": own,
                 **scene_row(scenes[0].viscous()),
             }
+            row["static_gain_error"] = row["error"] * row["static_gain"]
             row["equation"] = f"period-averaged {row['equation']}"
+            row["note"] = (
+                "of inertia and thermal effects only the change of the static gain is known"
+            )
             print(result_text(row, options))
         else:
             write_or_print_rows(table_of_responses, options)

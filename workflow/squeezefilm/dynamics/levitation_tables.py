@@ -11,8 +11,9 @@ import numpy as np
 from squeezefilm.dynamics.levitation import Levitation, levitate
 from squeezefilm.dynamics.resonance import resonance
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.film.scene import Scene
-from squeezefilm.formatting import scene_row
+from squeezefilm.formatting import position_row, scene_row
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import track_progress
 from squeezefilm.quantities.model_error import budget_row
@@ -75,7 +76,7 @@ def levitation_rows(
     """
     with track_progress(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
         for scene, load_n in product(scenes, loads_n):
-            row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m}
+            row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m, **position_row(scene)}
             try:
                 levitation = levitate(scene, load_n=load_n, **how)
                 noise_m = scan_error_n(levitation.scene) / abs(levitation.stiffness_n_per_m)
@@ -97,8 +98,11 @@ def levitation_rows(
             bar.update(1)
 
 
-def levitation_table(rows: Iterable[dict[str, object]], *, resonances: bool) -> pd.DataFrame:
-    """A table of ``levitation_rows``, without the columns of scenes and error budgets."""
-    columns = ["load_n", "hv_m", *LEVITATION_COLUMNS, "h0_measurement_noise_m", "status", "note"]
-    columns += RESONANCE_COLUMNS if resonances else ()
-    return pd.DataFrame(rows).reindex(columns=columns)
+def levitation_table(rows: Iterable[dict[str, object]], *, mass_kg: float | None) -> pd.DataFrame:
+    """A table of ``levitation_rows``, without the columns of dimensionless numbers and effects."""
+    columns = ["load_n", "hv_m", *CARTESIAN_COLUMNS]
+    columns += [*LEVITATION_COLUMNS, "h0_measurement_noise_m", "status", "note"]
+    if mass_kg is None:
+        return pd.DataFrame(rows).reindex(columns=columns)
+    table = pd.DataFrame(rows).assign(mass_kg=mass_kg)
+    return table.reindex(columns=["mass_kg", *columns, *RESONANCE_COLUMNS])

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, nan
+from itertools import product
+from math import inf, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -41,6 +42,7 @@ ROOT_GRID_TOLERANCE, MAX_ROOT_GRID_ERROR = 1e-3, 0.1
 MIN_IMAGINARY_FRACTION = 1e-3
 MAX_ROOT_STEPS = 40
 OVERDAMPED_STATUS = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
+NEARLY_CRITICAL_REASON = "the damping is nearly critical: the error decides whether it oscillates"
 
 
 class Resonance(NamedTuple):
@@ -87,17 +89,22 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
         return _unknown_resonance(f"the averaged film's settled force is in error by {error:.0%}")
     unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
     slow, scale = levitation.stiffness_n_per_m / unit, scene.force_scale_n / scene.h0_m / unit
-    roots = film.free_motion_exponents(slow=slow, scale=scale)
-    oscillations = roots[roots.imag > MIN_IMAGINARY_FRACTION * abs(roots)]
-    if not oscillations.size:
-        return Resonance(reason=OVERDAMPED_STATUS)
     lag = LAG_PER_REYNOLDS * scene.modified_reynolds * (scene.gas.inertia == "included")
+    slow_error = levitation.stiffness_error_n_per_m / unit
+    # The layer of gas that the motion moves at the edge is thinner than a settled film needs.
+    finer = GRID_POINT_COUNTS[GRID_POINT_COUNTS.index(film.grid.points) + 1 :]
+    finer = finer or GRID_POINT_COUNTS[-2:-1]
+    oscillations = _oscillations(film, slow=slow, scale=scale)
+    if not oscillations.size:
+        film, _ = averaged_film_on_grid(settled, finer[0])
+        near = _nearby_stiffnesses(film, scene, lag, slow=slow, slow_error=slow_error, scale=scale)
+        if any(_oscillations(film, slow=k, scale=gas).size for k, gas in near):
+            return _unknown_resonance(NEARLY_CRITICAL_REASON)
+        return Resonance(reason=OVERDAMPED_STATUS)
     motion = {"slow": slow, "scale": scale, "lag": lag}
     root, slope = _motion_root_and_slope(film, complex(min(oscillations, key=abs)), **motion)
     moved = inf
-    # The layer of gas that the motion moves at the edge is thinner than a settled film needs.
-    finer = GRID_POINT_COUNTS[GRID_POINT_COUNTS.index(film.grid.points) + 1 :]
-    for points in finer or GRID_POINT_COUNTS[-2:-1]:
+    for points in finer:
         film, _ = averaged_film_on_grid(settled, points)
         previous, (root, slope) = root, _motion_root_and_slope(film, root, **motion)
         moved = abs(root - previous)
@@ -111,18 +118,49 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
             f"it is faster than {most_hz:.3g} Hz, {MAX_RESONANCE_FREQUENCY_RATIO:g} of the "
             f"vibration's frequency"
         )
-    error = scale * _stiffness_error(film, scene, root, lag, slow / scale)
-    error += levitation.stiffness_error_n_per_m / unit
+    error = scale * _stiffness_error(film, scene, root, lag, slow / scale) + slow_error
     moved += error / abs(slope)
     found = Resonance(
-        frequency_hz=root.imag * scene.actuator.frequency_hz,
+        frequency_hz=abs(root.imag) * scene.actuator.frequency_hz,
         frequency_error_hz=moved * scene.actuator.frequency_hz,
         damping_ratio=-root.real / abs(root),
         damping_ratio_error=moved / abs(root),
     )
     if round_up_error(found.frequency_error_hz) < found.frequency_hz:
         return found
+    if found.damping_ratio_error >= max(found.damping_ratio, 1 - found.damping_ratio):
+        # An oscillation has a damping ratio from 0 to 1: nothing is known of it.
+        found = found._replace(damping_ratio=nan, damping_ratio_error=nan)
     return found._replace(reason="resonance not known: its error is as large as its value")
+
+
+def _oscillations(film: PeriodAveragedFilm, *, slow: float, scale: float) -> np.ndarray:
+    """The exponents of free motion that oscillate, without the gas' inertia; none if overdamped."""
+    exponents = film.free_motion_exponents(slow=slow, scale=scale)
+    return exponents[exponents.imag > MIN_IMAGINARY_FRACTION * abs(exponents)]
+
+
+def _nearby_stiffnesses(
+    film: PeriodAveragedFilm,
+    scene: Scene,
+    lag: float,
+    *,
+    slow: float,
+    slow_error: float,
+    scale: float,
+) -> list[tuple[float, float]]:
+    """Extremes of a film's stiffnesses, ``slow`` and ``scale``, within their errors.
+
+    The relative error of K(s) − K(0) is that at the fastest rate s that the mass may have; the lag
+    by inertia changes it by as much as the gas moves less.
+    """
+    at_rest, at_once = film.stiffness(np.array([0.0, inf])).real
+    rate = min(sqrt(slow + scale * (at_once - at_rest)), MAX_RESONANCE_FREQUENCY_RATIO)
+    error = _stiffness_error(film, scene, 1j * rate, lag, slow / scale)
+    rise = abs(film.stiffness(np.array([rate]))[0] - at_rest)
+    factors = 1 + (error / rise + lag * rate) * np.array([-1, 0, 1])
+    slows = slow + slow_error * np.array([-1, 0, 1])
+    return list(product(slows.tolist(), (scale * factors).tolist()))
 
 
 def _motion_root_and_slope(

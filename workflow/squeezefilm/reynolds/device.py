@@ -221,10 +221,16 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
             devices.append(device)
     if not devices:
         check_kernel_cache()
-        others = "; ".join(rejected) or "none at all"
+        remedy = 'an embedded one comes with: pip install "pyopencl[pocl]"'
+        if rejected:
+            remedy = "name one of these, or `auto`"
+        elif folder := os.environ.get("OCL_ICD_VENDORS"):
+            remedy = (
+                f"drivers are sought where OCL_ICD_VENDORS={folder} says: unset it"
+            )
         raise InputError(
-            f"no OpenCL device with double precision matches {wanted!r}; devices found: {others}. "
-            'An embedded one comes with: pip install "pyopencl[pocl]"'
+            f"no OpenCL device with double precision matches {wanted!r}; devices found: "
+            f"{'; '.join(rejected) or 'none at all'}; {remedy}"
         )
     device = min(
         devices, key=lambda each: (not each.type & cl.device_type.GPU, not _is_pocl_device(each))

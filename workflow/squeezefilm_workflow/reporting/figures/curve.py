@@ -48,7 +48,7 @@ DRAWN_RESULT_OF_COLUMN = {
     "load_n": DrawnResult(
         "h0_m",
         ("h0_error_m", "h0_measurement_noise_m"),
-        ("load_n", "hv_m"),
+        ("load_n", "hv_m", "mass_kg"),
         ("h0_modelling_error_lower_m", "h0_modelling_error_upper_m"),
         ("stiffness_n_per_m", "resonance_hz"),
     ),
