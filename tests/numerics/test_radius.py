@@ -131,13 +131,11 @@ def test_a_pressure_that_the_edge_shares_with_the_film_drives_no_flow():
     """What a pressure on the edge adds is the other part of the Laplacian of a constant."""
     grid = Grid(12, 1, 12, True, True)
     films = Fields.of([disc()], grid, np.zeros((1, 1, *grid.space_time_shape)))
-    films, rise = (
-        replace(
-            films,
-            edge_gauge_pressure=0.01 * films.inward_normal_signs[0] + films.edge_gauge_pressure,
-        ),
-        0.01,
+    films = replace(
+        films,
+        edge_gauge_pressure=0.01 * films.inward_normal_signs[0] + films.edge_gauge_pressure,
     )
+    rise = 0.01
     viscous = (rise + rise**2 / 2) * films.gap[:, :1] ** 1.5
     second = grid.x.second_derivative.sum(axis=1)[:, None, None]
     inside = films.gap[films.inner] ** 1.5 * viscous * second

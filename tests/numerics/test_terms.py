@@ -99,10 +99,8 @@ def test_mean_flow_potential_of_a_piston_is_that_of_ambient_pressure(
     pressure = 1 + states.gauge_pressure_ratio[0]
     nodes, weights = np.polynomial.legendre.leggauss(20)
     path = 1 + (pressure[..., None] - 1) * (nodes + 1) / 2
-    density, numbers = (
-        path ** (1 / exponent),
-        equation_numbers_table(Scenes.of([scene]), terms_of(scene)),
-    )
+    density = path ** (1 / exponent)
+    numbers = equation_numbers_table(Scenes.of([scene]), terms_of(scene))
     (factor,) = flow_to_viscous_ratio(numbers, (gap[:, None] * density)[None])
     flow = gap**3 * (factor * density * weights).sum(axis=-1) * (pressure - 1) / 2
     assert np.abs(flow.mean(axis=-1)).max() < 1e-9

@@ -182,8 +182,7 @@ def levitate(
             )
         raise InputError(
             f"load: no gap from {_micrometre_text(gaps_m[0])} to {_micrometre_text(gaps_m[-1])} "
-            f"carries "
-            f"{load_n:g} N at hv = {_micrometre_text(scene.hv_m)}; forces there: {carried}"
+            f"carries {load_n:g} N at hv = {_micrometre_text(scene.hv_m)}; forces there: {carried}"
         )
     found, note = _scene_at_load(
         scene, rough[-1], load_n=load_n, model_tolerance=model_tolerance, how=how

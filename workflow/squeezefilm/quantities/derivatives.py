@@ -168,10 +168,8 @@ def _derivatives_of_scene(scene: Scene, growth: np.ndarray, error: np.ndarray) -
     values = dict(zip(DERIVATIVE_COLUMNS, (growth / units).tolist(), strict=True))
     errors = dict(zip(DERIVATIVE_COLUMNS, (error / units).tolist(), strict=True))
     values["x_m"], values["y_m"] = pad.to_actuator_axes(values["x_m"], values["y_m"])
-    from_x, from_y = (
-        pad.to_actuator_axes(errors["x_m"], 0.0),
-        pad.to_actuator_axes(0.0, errors["y_m"]),
-    )
+    from_x = pad.to_actuator_axes(errors["x_m"], 0.0)
+    from_y = pad.to_actuator_axes(0.0, errors["y_m"])
     errors["x_m"], errors["y_m"] = (abs(a) + abs(b) for a, b in zip(from_x, from_y, strict=True))
     return Derivatives(value=values, error=errors, status="ok")
 

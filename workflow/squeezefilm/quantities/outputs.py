@@ -161,10 +161,8 @@ def _outputs_from_states(
                     *alone, tolerance=tolerance, device=device
                 )
             except Exception as error:  # that of one film is no one else's
-                outputs_of_row[k], holds = (
-                    _unsupported_outputs(unexpected_error_status(error)),
-                    True,
-                )
+                outputs_of_row[k] = _unsupported_outputs(unexpected_error_status(error))
+                holds = True
             if not holds:
                 further.append(k)
         if not further:
@@ -506,10 +504,8 @@ def forces_and_negative_slopes(
     )
     force, a, b, c, d = solutions.force_n.reshape(len(scenes), count).T
     errors = solutions.force_error_n.reshape(len(scenes), count).T
-    narrow, wide = (
-        (b - c) / (2 * DIFFERENCE_QUOTIENT_STEP * unit),
-        (a - d) / (4 * DIFFERENCE_QUOTIENT_STEP * unit),
-    )
+    narrow = (b - c) / (2 * DIFFERENCE_QUOTIENT_STEP * unit)
+    wide = (a - d) / (4 * DIFFERENCE_QUOTIENT_STEP * unit)
     # The wide quotient misses four times what the narrow one does.
     noise = (errors[2] + errors[3]) / (2 * DIFFERENCE_QUOTIENT_STEP * unit)
     fall, error = narrow + (narrow - wide) / 3, np.abs(narrow - wide) / 3 + 4 / 3 * noise

@@ -127,10 +127,8 @@ def error_per_grid_change(
     Returns:
         The errors in units of that change, and what iterations left of the pressure, in p0: (n,).
     """
-    plan, (coarse, fine) = (
-        solve_plan_of(scenes),
-        (state.grid.nodes_across for state in solutions.states[0]),
-    )
+    plan = solve_plan_of(scenes)
+    coarse, fine = (state.grid.nodes_across for state in solutions.states[0])
     fall = np.maximum(
         np.maximum(
             DEFAULT_CONVERGENCE_RATIO, profile_error_ratio(plan, coarse, fine, tolerance=tolerance)

@@ -137,10 +137,8 @@ def _solve_on_common_grids(
         solve_batch(scenes, grid, tolerance=ITERATION_ERROR_FRACTION * tolerance, device=device)
         for grid in COMMON_GRIDS
     )
-    scale, stated = (
-        Scenes.of(scenes).force_scale_n,
-        2 * np.abs(fine.mean_pressure_ratio - coarse.mean_pressure_ratio),
-    )
+    scale = Scenes.of(scenes).force_scale_n
+    stated = 2 * np.abs(fine.mean_pressure_ratio - coarse.mean_pressure_ratio)
     return StatedForces(
         scale * fine.mean_pressure_ratio, scale * (stated + fine.result_rows["residual"])
     )

@@ -173,10 +173,8 @@ def _direct_force_and_derivative(scene: Scene, name: str, study: Study) -> np.nd
     )
     narrow, wide = (values[3] - values[1]) / 2, (values[4] - values[0]) / 4
     noise = (8 * (errors[1] + errors[3]) + errors[0] + errors[4]) / 12
-    slope, off = (
-        (4 * narrow - wide) / 3,
-        noise + (4 * RELATIVE_DIFFERENCE_STEP) ** 2 * abs(wide - narrow),
-    )
+    slope = (4 * narrow - wide) / 3
+    off = noise + (4 * RELATIVE_DIFFERENCE_STEP) ** 2 * abs(wide - narrow)
     return np.array(
         [
             values[2],
@@ -358,10 +356,8 @@ def compare_coverage(
     for name in models:
         try:
             fit = study.fit(name)
-            interval, centred = (
-                fit.model.prediction_interval,
-                fit.model.force_model.is_for_centred_pad,
-            )
+            interval = fit.model.prediction_interval
+            centred = fit.model.force_model.is_for_centred_pad
             if interval is None or interval.error_95 is None:
                 continue
             points, (force_n, error_n) = simulated_forces(centred)

@@ -91,11 +91,9 @@ def gap_shape(tilt_x: float = 0.0, tilt_y: float = 0.0, crown: float = 0.0) -> G
 
 # Where waves steepen so much that no grid or no step of Newton's method may be enough.
 MAX_EPSILON_TIMES_REYNOLDS = 2.0
-GAP_TILTED_IN_X, GAP_TILTED_IN_Y, CROWNED_GAP = (
-    gap_shape(tilt_x=0.4),
-    gap_shape(tilt_y=0.4),
-    gap_shape(crown=0.3),
-)
+GAP_TILTED_IN_X = gap_shape(tilt_x=0.4)
+GAP_TILTED_IN_Y = gap_shape(tilt_y=0.4)
+CROWNED_GAP = gap_shape(crown=0.3)
 # ε and Re of films with inertia, the last beyond what is documented: such a film costs the most.
 EPSILON_REYNOLDS_PAIRS = (0.1, 0.5), (0.5, 0.5), (0.9, 0.5), (0.1, 5.0), (0.5, 50.0)
 SHAPE_OF_PAD_NAME: dict[str, PadShape] = {"disc": "ellipse", "square": "rectangle"}

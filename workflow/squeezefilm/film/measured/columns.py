@@ -103,10 +103,8 @@ QUANTITY_OF_WORDS = {
     for words in WORDS_OF_MEANING.get(quantity, ())
 }
 MOTION_WORDS_BY_KIND = [{*WORDS_OF_MEANING[name]} for name in MOTION_NAMES]
-MOTION_WORDS, COMPONENT_WORDS = (
-    {*WORDS_OF_MEANING["normal"]}.union(*MOTION_WORDS_BY_KIND),
-    {*WORDS_OF_MEANING["component"]},
-)
+MOTION_WORDS = {*WORDS_OF_MEANING["normal"]}.union(*MOTION_WORDS_BY_KIND)
+COMPONENT_WORDS = {*WORDS_OF_MEANING["component"]}
 VIBRATION_WORDS = MOTION_WORDS | {"vib", "vibration"}
 DIRECTION_WORDS, IGNORED_WORDS = {*WORDS_OF_MEANING["direction"]}, {*WORDS_OF_MEANING["beside"]}
 # The motion that letters alone are, by the power of the angular frequency, if their unit fits.
@@ -193,11 +191,9 @@ def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
         if quantity is None:
             continue
         named = next((at for at, some in enumerate(MOTION_WORDS_BY_KIND) if some & {*words}), None)
-        size, power, decibels = (
-            UNITS_OF_QUANTITY[quantity].get(unit),
-            OMEGA_POWER_OF_UNIT.get(unit, 0),
-            False,
-        )
+        size = UNITS_OF_QUANTITY[quantity].get(unit)
+        power = OMEGA_POWER_OF_UNIT.get(unit, 0)
+        decibels = False
         if unit.startswith("db") and quantity in ("amplitude", "normal", "level"):
             quantity = "normal" if quantity == "normal" else "amplitude"
             (size, power), decibels = _decibel_reference(unit), True
@@ -369,8 +365,7 @@ def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
     if unknown or bare:
         problems[-1] += (
             f". Lengths are in {', '.join(LENGTH_UNITS_M)}, motions also over s or s² and in g, "
-            f"angles "
-            f"in {', '.join(ANGLE_UNITS_RAD)}"
+            f"angles in {', '.join(ANGLE_UNITS_RAD)}"
         )
     if any(each.quantity in MOTION_QUANTITIES for each in (*unknown, *bare)):
         problems[-1] += f" ({shape})"

@@ -273,10 +273,8 @@ def smooth_scan(
     def scaled_profile_of_fit(fit: ModeFit, size_m: float) -> ModeSum:
         return ModeSum(fit.orders, tuple((turn * fit.coefficients / size_m).tolist()), surface)
 
-    largest_m, at_points = (
-        _largest_profile_magnitude(scaled_profile_of_fit(fit, 1.0)),
-        fitted.mode_values(fit.orders).T,
-    )
+    largest_m = _largest_profile_magnitude(scaled_profile_of_fit(fit, 1.0))
+    at_points = fitted.mode_values(fit.orders).T
     if scale == "measured":
         scale_modes, peak_m = at_points, float(_largest_mode_sum(fit.coefficients, at_points))
     else:
@@ -731,10 +729,8 @@ def _fit_without_outliers(
         residual = measured - points.mode_values(fit.orders) @ fit.coefficients
         parts = np.abs([residual.real, residual.imag][: 1 + np.iscomplexobj(residual)])
         noise = 1.4826 * np.median(parts, axis=1, keepdims=True)
-        last, near = (
-            near,
-            np.all(parts <= np.maximum(OUTLIER_STANDARD_DEVIATIONS * noise, floor), axis=0),
-        )
+        last = near
+        near = np.all(parts <= np.maximum(OUTLIER_STANDARD_DEVIATIONS * noise, floor), axis=0)
         if np.array_equal(near, last):
             break
         kept = points.subset_of_points(near)
@@ -827,10 +823,9 @@ def _reject_undetermined_profile(smoothed: SmoothedScan, *, coordinate: str) -> 
     # Nearly square cells; a standard error falls as their side does, or faster.
     spacing_mm = 2e3 * math.sqrt(math.prod(surface.half_extents_m) / len(measured))
     remedy = (
-        f"the scan needs points up to there, every "
-        f"{spacing_mm * MAX_PROFILE_ERROR / error[worst]:.2g} "
-        f"mm (now about {spacing_mm:.2g}), less noise, or {surface.config_key} that ends where "
-        f"it does"
+        "the scan needs points up to there, every "
+        f"{spacing_mm * MAX_PROFILE_ERROR / error[worst]:.2g} mm (now about {spacing_mm:.2g}), "
+        f"less noise, or {surface.config_key} that ends where it does"
     )
     if smoothed.fit.degree == MAX_MODE_DEGREE:
         remedy = "shorter waves than these resolve need an actuator.profile by formula"

@@ -152,10 +152,8 @@ MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
 WORD_LINE_PATTERN = re.compile(r"[^\W\d_]{2,}.*")
 RULED_LINE_PATTERN = re.compile(r"[-=*_\s]{3,}")
 # A row of numbers, or one that begins with a word, such as a part's name.
-NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN = (
-    re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})"),
-    re.compile(r".*[\s,;][-+]?\d"),
-)
+NUMBER_ROW_PATTERN = re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})")
+NAMED_ROW_PATTERN = re.compile(r".*[\s,;][-+]?\d")
 # Of all nodes of a body: the share of a face's, of others, and how far off they are, over the face.
 MIN_FACE_FRACTION, MIN_OFF_FRACTION, MIN_OFF_FACE_HEIGHT_FRACTION = 0.1, 0.1, 0.05
 # So many rows at a place that differ in time are a time series.
@@ -466,9 +464,8 @@ def _one_row_per_position(
             axis *= len({"x", "y", "r", "phi"} & {*table}) < 2
             raise InputError(
                 f"places have several rows each, which column {column.name!r} tells apart: "
-                f"{distinct_values_text(values)}; take one by actuator.profile.rows: "
-                f"{column.name} = "
-                f"{values.iloc[0]}{axis}"
+                f"{distinct_values_text(values)}; take one by actuator.profile.rows: {column.name} "
+                f"= {values.iloc[0]}{axis}"
             )
     return table, notes
 
@@ -584,9 +581,8 @@ def _table_cells(
     for number in beside:
         del rows[number]
     for number, cells in rows.items():
-        if separator != BLANK_SEPARATOR and needed <= len(
-            cells
-        ):  # between blanks an empty cell is none
+        # Between blanks an empty cell is none.
+        if separator != BLANK_SEPARATOR and needed <= len(cells):
             cells += [""] * (names - len(cells))
         if len(cells) != names:
             hint = "; decimal commas need another separator, such as semicolons"

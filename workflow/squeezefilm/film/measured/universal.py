@@ -27,24 +27,17 @@ from squeezefilm.film.measured.scan import (
 )
 
 # Data sets; types of abscissa and ordinate; types of functions; the direction z.
-NODES_DATASETS, UNITS_DATASET, FUNCTION_DATASET, MODE_SHAPE_DATASET, RESULTS_DATASET = (
-    (15, 2411),
-    164,
-    58,
-    55,
-    2414,
-)
-AT_NODES_LOCATION, FREQUENCY_RESPONSE_ANALYSIS, COMPLEX_NUMBER_TYPE = (
-    1,
-    5,
-    5,
-)  # of results: place, analysis, kind of numbers
-FREQUENCY_DATA_TYPE, DISPLACEMENT_DATA_TYPE, VELOCITY_DATA_TYPE, ACCELERATION_DATA_TYPE = (
-    18,
-    8,
-    11,
-    12,
-)
+NODES_DATASETS = (15, 2411)
+UNITS_DATASET = 164
+FUNCTION_DATASET = 58
+MODE_SHAPE_DATASET = 55
+RESULTS_DATASET = 2414
+# Of results: where they are, their analysis and their kind of numbers.
+AT_NODES_LOCATION, FREQUENCY_RESPONSE_ANALYSIS, COMPLEX_NUMBER_TYPE = 1, 5, 5
+FREQUENCY_DATA_TYPE = 18
+DISPLACEMENT_DATA_TYPE = 8
+VELOCITY_DATA_TYPE = 11
+ACCELERATION_DATA_TYPE = 12
 TIME_OR_POWER_FUNCTION_TYPES = (1, 2, 3, 9)
 POWER_SPECTRUM_FUNCTION_TYPES, COHERENCE_FUNCTION_TYPES = (2, 3, 9), (6, 21, 26)
 # By which power of the angular frequency a motion is larger than a displacement.
