@@ -13,6 +13,7 @@ from example_scan import scan_text
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import smoothed_scan_of_file
+from squeezefilm.film.profiles import ScanFile
 from squeezefilm.film.surfaces import Disc
 
 RADIUS_M = 0.01
@@ -61,7 +62,7 @@ def test_a_scan_runs_or_is_refused(block, tmp_path):
         axisymmetric = draw.random() < 0.7
         try:
             smoothed = smoothed_scan_of_file(
-                path, surface=Disc(RADIUS_M), axisymmetric=axisymmetric
+                path, ScanFile("scan.csv", axisymmetric=axisymmetric), Disc(RADIUS_M)
             )
         except InputError as error:
             message = str(error)

@@ -10,7 +10,7 @@ from scipy.special import jv
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import SmoothedScan, smoothed_scan_of_file
-from squeezefilm.film.profiles import Profile
+from squeezefilm.film.profiles import Profile, ScanFile
 from squeezefilm.film.surfaces import Disc
 
 RADIUS_M = 0.01
@@ -30,7 +30,9 @@ def smooth(tmp_path):
     def write(text: str, *, axisymmetric: bool = True) -> SmoothedScan:
         path = tmp_path / "scan.csv"
         path.write_text(text, encoding="utf-8")
-        return smoothed_scan_of_file(path, surface=Disc(RADIUS_M), axisymmetric=axisymmetric)
+        return smoothed_scan_of_file(
+            path, ScanFile("scan.csv", axisymmetric=axisymmetric), Disc(RADIUS_M)
+        )
 
     return write
 
