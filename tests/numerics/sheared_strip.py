@@ -24,8 +24,6 @@ ROUNDS, TOLERANCE, CHANGE = 60, 1e-10, 1e-9
 SETTLED, DEPTH = 6, 12
 # Seeds of ``vibrating_strip``, from the first.
 VIBRATING = 6000
-# Of an effect, at which it is practically of first order.
-WEAK = 1e-3
 
 
 class NotConvergedError(Exception):
@@ -311,16 +309,6 @@ def resolved(strip: Strip) -> tuple[Film, list[np.ndarray]]:
     state = fixed_point(improved, start, sizes[0], settle)
     parts = np.split(state, np.cumsum(sizes)[:2])
     return film, [part.reshape(field.shape) for part, field in zip(parts, fields, strict=True)]
-
-
-def first_order(strip: Strip) -> tuple[float, float]:
-    """Change of the mean overpressure by inertia and by heat, each at first order."""
-    changes = []
-    for inertia, heat in ((WEAK, 0.0), (0.0, WEAK)):
-        weak = replace(strip, reynolds=inertia * strip.reynolds, heating=heat * strip.heating)
-        plain, changed = forces(weak)
-        changes.append((changed - plain) / WEAK)
-    return changes[0], changes[1]
 
 
 def random_strip(seed: int) -> Strip:
