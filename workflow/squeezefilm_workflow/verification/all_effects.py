@@ -18,7 +18,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import pi, sqrt
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -234,6 +234,16 @@ class Effects:
     slip: Literal["none", "first-order", "flow-factor"] = "flow-factor"
     edge_loss_coefficient: float = 0.0
     edge_flow: bool = False
+
+    @classmethod
+    def of_scene(cls, scene: Scene) -> Self:
+        """The effects that the solver's equation has for a scene without a flow factor."""
+        gas = scene.gas
+        return cls(
+            inertia=gas.inertia == "included",
+            thermal=gas.thermal == "included",
+            slip="first-order" if gas.rarefaction == "slip" else "none",
+        )
 
 
 @dataclass(frozen=True)

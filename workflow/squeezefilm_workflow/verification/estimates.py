@@ -13,7 +13,6 @@ import pandas as pd
 
 from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import write_text
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.parallel import track_progress
 from squeezefilm.reynolds import error_estimate, solve
@@ -21,7 +20,7 @@ from squeezefilm.reynolds.periodic import refinement, resolution
 from squeezefilm.reynolds.periodic.launch import RESULT_DTYPE
 from squeezefilm.reynolds.periodic.resolution import min_convergence_ratio
 from squeezefilm.reynolds.terms import distinct_term_sets
-from squeezefilm_workflow.verification.origin import origin_comment_lines
+from squeezefilm_workflow.verification.origin import write_with_origin
 from squeezefilm_workflow.verification.random_films import (
     TOLERANCE_PERCENTAGES,
     RandomFilm,
@@ -86,8 +85,8 @@ def estimates(options: argparse.Namespace) -> None:
     table = with_outcomes(table[table["film"].isin(numbers)])
     shown = outcome_summary(table)
     call = f"estimates --films {options.films} --seed {options.seed} --output FORCES.csv"
-    head = origin_comment_lines(f"{call} --summary {Path(options.summary).name}")
-    write_text(head + shown.to_csv(index=False), options.summary)
+    call += f" --summary {Path(options.summary).name}"
+    write_with_origin(shown, options.summary, command=call)
     print(shown.to_string(index=False))
     outside = table.loc[table["outcome"] == "outside", "film"].unique()
     if len(outside):
@@ -336,12 +335,9 @@ def guards(options: argparse.Namespace) -> None:
                 "films outside": " ".join(map(str, numbers[:5])),
             }
         )
-    call = "guards --forces FORCES.csv --grids GRIDS.csv"
     table = pd.DataFrame(rows)
-    write_text(
-        origin_comment_lines(f"{call} --output {options.output}") + table.to_csv(index=False),
-        options.output,
-    )
+    call = f"guards --forces FORCES.csv --grids GRIDS.csv --output {options.output}"
+    write_with_origin(table, options.output, command=call)
     print(table.to_string(index=False))
 
 
@@ -354,12 +350,11 @@ def stored_films(options: argparse.Namespace) -> None:
     Each force is written as soon as it is known.
     """
     table = read_stored_films(options.output)
-    head = origin_comment_lines(f"stored-films --output {options.output}")
     for index, row in table[table["force"].isna()].iterrows():
         film = film_of_row(row)
         ((force, error),) = direct_pressures_and_errors([film.scene], tolerance=film.tolerance)
         table.loc[index, ["force", "force_error"]] = float(f"{force:.9g}"), float(f"{error:.2g}")
-        write_text(head + table.to_csv(index=False), options.output)
+        write_with_origin(table, options.output, command=f"stored-films --output {options.output}")
 
 
 def read_stored_films(path: Path) -> pd.DataFrame:

@@ -123,13 +123,13 @@ def cases_with_groups() -> list[tuple[str, Scene]]:
         "piston": _films_of_epsilon_and_sigma(
             "piston", (1e-3, 20.0, 1e5, 1e7), (1e-3, 0.5, 0.9), profile=PISTON_PROFILE
         ),
-        "sliding": _listed_films("sliding"),
-        "shape, gas, frequency": _listed_films("shape, gas, frequency"),
+        "sliding": listed_films("sliding"),
+        "shape, gas, frequency": listed_films("shape, gas, frequency"),
         "inertia": [
             film_scene(f"inertia, Re = {re:g}, σ = {sigma:g}, ε = {eps:g}", eps, sigma, reynolds=re)
             for sigma, (eps, re) in product((1.0, 20.0, 583.0, 1e5), EPSILON_REYNOLDS_PAIRS)
         ],
-        "any gap, ellipse": _listed_films("any gap, ellipse"),
+        "any gap, ellipse": listed_films("any gap, ellipse"),
         "inertia and thermal effects": [
             *films_with_effects("disc"),
             *films_with_effects("square", REYNOLDS_GRID_VALUES[:2], EPSILON_GRID_VALUES[:2]),
@@ -138,14 +138,15 @@ def cases_with_groups() -> list[tuple[str, Scene]]:
     return [(group, scene) for group, scenes in groups.items() for scene in scenes]
 
 
-def _listed_films(group: str) -> list[Scene]:
-    """The films of a group in stiff_films.csv, whose columns are arguments of ``film_scene``."""
-    text = Path(__file__).with_name("stiff_films.csv").read_text(encoding="utf-8")
+def listed_films(group: str) -> list[Scene]:
+    """The films of a group in films.csv, whose columns are arguments of ``film_scene``."""
+    text = Path(__file__).with_name("films.csv").read_text(encoding="utf-8")
     films = []
     for row in csv.DictReader(text.splitlines()):
         name, profile, shape = row.pop("name"), row.pop("profile"), row.pop("shape")
         if row.pop("group") == group:
             numbers: dict[str, Any] = {key: float(cell) for key, cell in row.items() if cell}
+            numbers["thermal"] = "thermal" in numbers
             tilts_and_crown = (numbers.pop(key, 0.0) for key in ("tilt_x", "tilt_y", "crown"))
             how: dict[str, Any] = {"shape": shape} if shape else {}
             how |= {"profile": PROFILE_OF_NAME[profile], "gap": gap_shape(*tilts_and_crown)}
