@@ -295,7 +295,7 @@ def output_weights(film: SampledState) -> dict[str, np.ndarray]:
             for slope, length in zip(film.slopes, lengths, strict=True)
         )
     )
-    found = {
+    weights = {
         FORCE_NAME: force * np.stack([one, nothing, nothing]),
         "moment_x": force * np.stack([y, nothing, nothing]),
         "moment_y": force * np.stack([-x, nothing, nothing]),
@@ -309,8 +309,8 @@ def output_weights(film: SampledState) -> dict[str, np.ndarray]:
     }
     for k, n, part in np.ndindex(GUARD_MOMENT_COUNT, GUARD_MOMENT_COUNT, 3):
         wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
-        found[f"{GUARD_MOMENT_NAME} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
-    return {name: film.symmetric_part(weight) for name, weight in found.items()}
+        weights[f"{GUARD_MOMENT_NAME} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
+    return {name: film.symmetric_part(weight) for name, weight in weights.items()}
 
 
 class SampledState:

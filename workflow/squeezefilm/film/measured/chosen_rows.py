@@ -109,17 +109,17 @@ def one_row_per_position(
                 raise InputError(f"column {column.name!r}: {far}")
             table = table[values_hz == line_hz]
             notes.append(f"rows at {line_hz:.7g} Hz in {column.name!r}")
-    place = _position_keys(table)
-    if not place.duplicated().any():
+    position = _position_keys(table)
+    if not position.duplicated().any():
         return table, notes
     for column in others:
         values = normalise_cells(cells.loc[table.index, column.column_index])
-        differing = values.groupby(place).nunique()[place[place.duplicated()].unique()]
+        differing = values.groupby(position).nunique()[position[position.duplicated()].unique()]
         if differing.median() < 2:
             continue
         recurs = _recurs_at_positions(table, values)
         if column.quantity == "time" and (
-            recurs or len(values) >= MIN_TIME_SERIES_ROWS * place.nunique()
+            recurs or len(values) >= MIN_TIME_SERIES_ROWS * position.nunique()
         ):
             raise InputError(
                 f"column {column.name!r} has several instants at each place: a time series is no "

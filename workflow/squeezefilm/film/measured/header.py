@@ -59,7 +59,7 @@ def find_header(
     if not plain:
         raise InputError(f"the {what} is empty; it needs {form}")
     comments = [index for index in filled if index < plain[0]]
-    found: dict[tuple[bool, bool, int], tuple[int, list[str], str]] = {}
+    candidates: dict[tuple[bool, bool, int], tuple[int, list[str], str]] = {}
     for index in (*plain[:MAX_LINES_ABOVE_HEADER], *comments[-MAX_LINES_ABOVE_HEADER:]):
         line = COMMENT_PATTERN.sub("", lines[index], count=1)
         rows = [lines[row] for row in plain if row > index][:MAX_TITLE_LINES]
@@ -87,10 +87,10 @@ def find_header(
             values = parse_numbers(pd.Series([cell for cell in row if cell], dtype=object))
             numbers = len(values) > 1 and not values.isna().any()
             if count >= MIN_HEADER_QUANTITIES - (alike and numbers and index in plain):
-                found.setdefault((numbers, alike, count), (index, cells, between))
-    if found:
-        index, cells, between = found[max(found)]
-        if between == BLANK_SEPARATOR and not max(found)[1]:
+                candidates.setdefault((numbers, alike, count), (index, cells, between))
+    if candidates:
+        index, cells, between = candidates[max(candidates)]
+        if between == BLANK_SEPARATOR and not max(candidates)[1]:
             raise InputError(
                 f"line {index + 1}: the header has {len(cells)} names between blanks, and the rows "
                 "below have not so many cells; put commas, tabs or two blanks between the names"

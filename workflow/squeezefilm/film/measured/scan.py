@@ -105,18 +105,18 @@ class PointRemedies:
 NO_REMEDIES = PointRemedies()
 
 
-def list_text(places: Sequence[object]) -> str:
+def list_text(values: Sequence[object]) -> str:
     """Places in a file, or values, the first of many."""
-    return ", ".join(map(str, places[:MAX_LISTED_ITEMS])) + ", …" * (len(places) > MAX_LISTED_ITEMS)
+    return ", ".join(map(str, values[:MAX_LISTED_ITEMS])) + ", …" * (len(values) > MAX_LISTED_ITEMS)
 
 
-def missing_points_note(places: Sequence[int], *, what: str) -> list[str]:
+def missing_points_note(numbers: Sequence[int], *, what: str) -> list[str]:
     """A note that names the points without an amplitude, if there are any."""
-    many = "s" * (len(places) > 1)
+    many = "s" * (len(numbers) > 1)
     return [
-        f"{len(places)} point{many} without an amplitude, excluded from profile and noise "
-        f"({what}{many} {list_text(places)})"
-    ] * bool(len(places))
+        f"{len(numbers)} point{many} without an amplitude, excluded from profile and noise "
+        f"({what}{many} {list_text(numbers)})"
+    ] * bool(len(numbers))
 
 
 def angular_frequency(frequency_hz: float | None) -> float:

@@ -215,11 +215,15 @@ def _columns_of_second_table(
         return {}, ""
     for number, (line, below) in enumerate(pairwise(lines[first:]), first + 1):
         header, row = split_cells(line, separator), split_cells(below, separator)
-        found = {each.quantity: each for each in header_columns(header)}
-        places = [each.column_index for name, each in found.items() if name in lacking[0]]
+        column_of_quantity = {each.quantity: each for each in header_columns(header)}
+        indices = [
+            each.column_index for name, each in column_of_quantity.items() if name in lacking[0]
+        ]
         numbers = parse_numbers(pd.Series(row, dtype=object))
-        if places and len(row) == len(header) > 1 and numbers.iloc[places].notna().all():
-            known = {name: each for name, each in found.items() if name in USABLE_QUANTITIES}
+        if indices and len(row) == len(header) > 1 and numbers.iloc[indices].notna().all():
+            known = {
+                name: each for name, each in column_of_quantity.items() if name in USABLE_QUANTITIES
+            }
             return known, (
                 f"the positions and the amplitudes are in two tables, the second, "
                 f"{list_text([repr(name) for name in header])}, from line {number} on; write one "
@@ -256,22 +260,22 @@ def _has_component_sign(
 def _position_cells(row: str, *, separator: str, columns: dict[str, ScanColumn]) -> tuple[str, ...]:
     """The cells of a row's position; none where one of them is no number."""
     cells = split_cells(row, separator)
-    places = [columns[name].column_index for name in COORDINATE_UNITS if name in columns]
-    if max(places) >= len(cells):
+    indices = [columns[name].column_index for name in COORDINATE_UNITS if name in columns]
+    if max(indices) >= len(cells):
         return ()
-    position = tuple(cells[place] for place in places)
+    position = tuple(cells[index] for index in indices)
     return position if all(map(PLAIN_NUMBER_PATTERN.match, position)) else ()
 
 
 def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     """Problems of a scan with some quantities: those that it lacks, or has in excess."""
-    place = {*known} & {"x", "y", "r", "phi"}
-    both = place > {"x", "y"}
+    coordinates = {*known} & {"x", "y", "r", "phi"}
+    both = coordinates > {"x", "y"}
     return {
         "r or phi stands beside x and y; leave it out, or call it amplitude_um or phase_deg": both,
         "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
         "table as its amplitude": not both
-        and place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
+        and coordinates not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
         f"column 'amplitude_um' is missing; a scan has {SCAN_FORMAT_TEXT}": not {*known}
         & {"amplitude", "real", "imaginary"},
         "real and imaginary part go together": len({*known} & {"real", "imaginary"}) == 1,
