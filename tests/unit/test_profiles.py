@@ -30,9 +30,8 @@ def smooth(tmp_path):
     def write(text: str, *, axisymmetric: bool = True) -> SmoothedScan:
         path = tmp_path / "scan.csv"
         path.write_text(text, encoding="utf-8")
-        return smoothed_scan_of_file(
-            path, ScanFile("scan.csv", axisymmetric=axisymmetric), Disc(RADIUS_M)
-        )
+        settings = ScanFile("scan.csv", axisymmetric=axisymmetric)
+        return smoothed_scan_of_file(path, settings, Disc(RADIUS_M), frequency_hz=43270.0)
 
     return write
 

@@ -83,7 +83,7 @@ def one_row_per_position(
     cells: pd.DataFrame,
     others: Sequence[ScanColumn],
     *,
-    frequency_hz: float | None,
+    frequency_hz: float,
 ) -> tuple[pd.DataFrame, list[str]]:
     """The rows of one measurement at each place, and notes on which these are.
 
@@ -102,8 +102,6 @@ def one_row_per_position(
             values_hz = parse_numbers(cells.loc[table.index, column.column_index]) * column.size
             if not _recurs_at_positions(table, values_hz):
                 continue
-            if frequency_hz is None:
-                raise InputError(f"the rows of {column.name!r} need the actuator's frequency")
             line_hz, far = nearest_spectral_line(values_hz.unique(), frequency_hz)
             if far:
                 raise InputError(f"column {column.name!r}: {far}")

@@ -400,8 +400,6 @@ def _columns_at_frequency(
     """The columns at the actuator's frequency, and all that have none, and a note."""
     lines_hz = np.array([each.frequency_hz for each in named if each.frequency_hz is not None])
     several = len(set(lines_hz)) > 1
-    if frequency_hz is None and several:
-        raise InputError("columns at several frequencies need the actuator's frequency")
     if frequency_hz is None or not len(lines_hz):
         return named, []
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)

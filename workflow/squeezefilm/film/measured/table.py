@@ -22,6 +22,7 @@ are excluded from profile and noise, and notes name their lines.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
@@ -57,11 +58,9 @@ from squeezefilm.film.measured.header import (
     wants_of_points,
 )
 from squeezefilm.film.measured.scan import (
-    FREQUENCY_NEEDED_MESSAGE,
     NO_REMEDIES,
     PointRemedies,
     Scan,
-    angular_frequency,
     list_text,
     missing_points_note,
 )
@@ -93,7 +92,7 @@ def read_point_table(
     form: str,
     complete: Callable[[Collection[str]], dict[str, bool]],
     frequency_hz: float | None = None,
-    rows: str | None = None,
+    rows: str = "",
     remedies: PointRemedies = NO_REMEDIES,
 ) -> tuple[pd.DataFrame, list[int], list[str]]:
     """Points of a table of text, by their lines in the file.
@@ -102,9 +101,8 @@ def read_point_table(
         wanted: quantities.
         what, form: what the table is and what it needs, for messages.
         complete: the problems of a table with some quantities, and whether it has them.
-        frequency_hz: by which velocities become displacements.
-        rows: of which measurement, as in ``read_scan``; None where a place may stand repeatedly.
-        remedies: as in ``read_scan``.
+        frequency_hz, rows, remedies: of a scan, as in ``read_scan``; without a frequency it is
+            none, and a place may stand repeatedly.
 
     Returns: the quantities, in SI units and radians; the lines of points that lack an amplitude,
     which are excluded; and notes on how the file was read.
@@ -127,7 +125,7 @@ def read_point_table(
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         elsewhere, second = (
             _columns_of_second_table(lines, first, separator, columns)
-            if problems and rows is not None
+            if problems and frequency_hz is not None
             else ({}, "")
         )
         if second:
@@ -142,8 +140,6 @@ def read_point_table(
         ]
         unplaced = {"r", "phi"} if {"x", "y"} <= {*columns} else set[str]()
         problems += unit_problems([columns[name] for name in columns if name not in unplaced])
-        if any(column.power for column in motion) and frequency_hz is None:
-            problems.append(FREQUENCY_NEEDED_MESSAGE)
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
             problems[-1] += ". Units in names of variables follow an underscore: x_mm, vz_m_s"
         if problems:
@@ -161,7 +157,7 @@ def read_point_table(
         first_row=first,
         frequency_hz=None if in_columns else frequency_hz,
         position_of_row=None
-        if rows is None
+        if frequency_hz is None
         else partial(_position_cells, separator=separator, columns=columns),
     )
     notes += joined
@@ -174,8 +170,8 @@ def read_point_table(
         for at, name in enumerate(header)
         if at not in taken
     ]
-    cells, settings = rows_of_requested_measurement(cells, settings, rows or "")
-    if rows is not None:
+    cells, settings = rows_of_requested_measurement(cells, settings, rows)
+    if frequency_hz is not None:
         reject_points_off_surface(cells, settings, columns)
     cells, states, invalid = valid_rows(cells, settings)
     others = [repr(each.name) for each in settings if each not in states]
@@ -188,12 +184,13 @@ def read_point_table(
     table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
     if _has_component_sign(columns, table):
         table["sign"] = 1.0
-    if rows is not None:
-        table, chosen = one_row_per_position(table, cells, settings, frequency_hz=frequency_hz)
-        notes += chosen
+    if frequency_hz is None:
+        return table, lacking.tolist(), notes
+    table, chosen = one_row_per_position(table, cells, settings, frequency_hz=frequency_hz)
+    notes += chosen
     for column in motion:
         if column.power:
-            table[column.quantity] /= angular_frequency(frequency_hz) ** column.power
+            table[column.quantity] /= (2 * math.pi * frequency_hz) ** column.power
             twice = " squared" * (column.power == 2)
             notes.append(f"{column.name!r} divided by the angular frequency{twice}")
         if column.amplitude_factor != 1:
@@ -283,7 +280,7 @@ def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     }
 
 
-def read_table(path: Path, frequency_hz: float | None, rows: str, remedies: PointRemedies) -> Scan:
+def read_table(path: Path, frequency_hz: float, rows: str, remedies: PointRemedies) -> Scan:
     """The scan in a table of text."""
     table, lacking, notes = read_point_table(
         path,

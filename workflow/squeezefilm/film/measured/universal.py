@@ -21,7 +21,6 @@ from squeezefilm.film.measured.scan import (
     MAX_FINITE_VALUE,
     MAX_MODE_DISTANCE_FRACTION,
     Scan,
-    angular_frequency,
     missing_points_note,
     nearest_spectral_line,
 )
@@ -55,7 +54,7 @@ REFERENCE_PATTERN = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
 MIN_FREQUENCY_OFFSET_RATIO = 3
 
 
-def read_universal_file(path: Path, frequency_hz: float | None, rows: str) -> Scan:
+def read_universal_file(path: Path, frequency_hz: float, rows: str) -> Scan:
     """The scan in a universal file; a point's line is its function's or node's number.
 
     Args:
@@ -64,8 +63,6 @@ def read_universal_file(path: Path, frequency_hz: float | None, rows: str) -> Sc
     """
     with imports_from_extra("scans", what="a universal file (or export the scan as text)"):
         import pyuff
-    if frequency_hz is None:
-        raise InputError("a universal file needs the actuator's frequency")
     try:
         file = pyuff.UFF(str(path))
         kinds_of_sets = [int(kind) for kind in file.get_set_types()]
@@ -165,7 +162,7 @@ def _scan_of_mode_shape(
     nodes = np.asarray(mode["node_nums"], dtype=int)
     known = np.isin(nodes, list(position_of_node))
     amplitude = np.asarray(mode["r3"])[known].astype(complex)
-    amplitude /= angular_frequency(frequency_hz) ** power
+    amplitude /= (2 * math.pi * frequency_hz) ** power
     positions = np.array([position_of_node[node] for node in nodes[known]])
     signed = np.iscomplexobj(mode["r3"]) or bool(np.any(amplitude.real < 0))
     notes = [f"mode shape {numbers[at]} at {lines_hz[at]:.7g} Hz along z"]
@@ -184,7 +181,7 @@ def _scan_at_frequency(
     reference: str,
 ) -> Scan:
     """The shape that functions have at the actuator's frequency, of one reference."""
-    omega = angular_frequency(frequency_hz)
+    omega = 2 * math.pi * frequency_hz
     every = [each for each in sets if each.get("type") == FUNCTION_DATASET]
     functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL_DIRECTION] or every
     beside = [f"{len(every) - len(functions)} functions along x or y ignored"]
