@@ -24,7 +24,11 @@ from squeezefilm.quantities.sheared_gas import (
     first_order_remainder_of_scene,
     scaled_sheared_gas_thrust,
 )
-from squeezefilm.quantities.states import error_per_grid_change, with_states
+from squeezefilm.quantities.states import (
+    MIN_FORCE_TOLERANCE,
+    error_per_grid_change,
+    with_states,
+)
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.error_estimate import ALLOWED_ROUND_OFF_FACTOR, RELATIVE_ROUND_OFF
 from squeezefilm.reynolds.grid import Grid
@@ -41,8 +45,6 @@ from squeezefilm.solution import (
     validated_output_names,
 )
 
-# Below this, iterations would end in rounding.
-MIN_FORCE_TOLERANCE = 1e-8
 # A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
 TIGHTER_TOLERANCE_FACTOR, MAX_TIGHTER_SOLVES = 1 / 30, 3
 # No output changes less than this share of the largest change among those alike, each over its
