@@ -5,7 +5,7 @@ from math import cos, log, pi, sin
 
 import numpy as np
 import pytest
-from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, periodic_state
+from films import PISTON, AsTheGap, expansion_of, film, mean, mean_overpressure, periodic_state
 from physics_facts import fast_piston
 
 from squeezefilm.film.pad import GapShape
@@ -35,12 +35,6 @@ def begun_later(angle: float) -> QuadratureProfile:
 
 def shaped(scene: Scene, gap: GapShape = SHAPE) -> Scene:
     return replace(scene, pad=replace(scene.pad, gap=gap))
-
-
-def mean(scene: Scene, *, tolerance: float = 1e-6, method: str = "periodic") -> float:
-    (solution,) = solve([scene], tolerance=tolerance, method=method)
-    assert solution.status == "ok"
-    return solution.force_n / scene.force_scale_n
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,11 @@
 """Pads of other outlines and places: turned rectangles, ellipses, curves from a file."""
 
 from dataclasses import replace
+from functools import partial
 from math import log, pi, sqrt
 from pathlib import Path
 
+import films
 import numpy as np
 import pytest
 from films import PISTON, film
@@ -19,7 +21,6 @@ from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.outputs import _outputs_from_states
 from squeezefilm.quantities.pressure import gauge_pressure_and_change
-from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.solver import solve
@@ -28,6 +29,7 @@ from squeezefilm_workflow.verification import finite_elements
 TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, crown_m=-0.2e-6)
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 TURN = 2 * np.pi * np.arange(120) / 120
+solved, mean = partial(films.solved, method="auto"), partial(films.mean, method="auto")
 
 
 def pad(scene: Scene, **changes: object) -> Scene:
@@ -36,17 +38,6 @@ def pad(scene: Scene, **changes: object) -> Scene:
 
 def ellipse(**numbers: object) -> Scene:
     return pad(film(**numbers), shape="ellipse")  # type: ignore[arg-type]
-
-
-def solved(scene: Scene, *, tolerance: float = 1e-6, method: str = "auto") -> Solution:
-    (solution,) = solve([scene], tolerance=tolerance, method=method)
-    assert solution.status == "ok"
-    return solution
-
-
-def mean(scene: Scene, *, tolerance: float = 1e-6) -> float:
-    """Mean overpressure over pad and period."""
-    return solved(scene, tolerance=tolerance).force_n / scene.force_scale_n
 
 
 def disc_stiffness(sigma: float) -> float:
