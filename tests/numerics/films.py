@@ -1,7 +1,7 @@
 """Scenes made from dimensionless numbers, for tests of the solver."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from typing import Any
 
@@ -58,6 +58,17 @@ def film(
         actuator=Actuator(angular_frequency / (2 * pi), 1.0, profile=profile),
         pad=Pad(LENGTH_M, aspect * LENGTH_M, speed),
     )
+
+
+def at_reynolds(scene: Scene, reynolds: float) -> Scene:
+    """The scene with the density that gives it a modified Reynolds number."""
+    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
+    return scene.with_gas(density_kg_per_m3=density)
+
+
+def with_pad(scene: Scene, **changes: Any) -> Scene:
+    """The scene with another shape, gap or speed of its pad."""
+    return replace(scene, pad=replace(scene.pad, **changes))
 
 
 def solved(

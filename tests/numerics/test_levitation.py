@@ -2,14 +2,13 @@
 
 import re
 from contextlib import suppress
-from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from films import PISTON, SINC, film
+from films import PISTON, SINC, at_reynolds, film, with_pad
 from ring_down import RingDown
 from scipy.optimize import newton
 from test_slow_film import disc_stiffness
@@ -75,8 +74,8 @@ def test_a_levitated_disc_oscillates_as_bessel_functions_say(inertia, denser):
     parabola's inertia and no heat: the error holds the rest.
     """
     scene = film(epsilon=0.03, sigma=460.0, profile=PISTON, inertia=inertia)
-    gas = replace(scene.gas, density_kg_per_m3=denser * scene.gas.density_kg_per_m3)
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"), gas=gas)
+    scene = scene.with_gas(density_kg_per_m3=denser * scene.gas.density_kg_per_m3)
+    scene = with_pad(scene, shape="ellipse")
     (force,) = solve([scene], tolerance=1e-4, device=DEVICE)
     found = levitate(scene, load_n=force.force_n, **SETTINGS | {"tolerance": 1e-4})
     scene, trapped = found.scene, found.scene.force_scale_n / found.scene.h0_m
@@ -123,9 +122,7 @@ def test_a_levitated_disc_rings_down_as_its_resonance_says(epsilon, sigma, reyno
         profile=profile,
         inertia="included" if reynolds else "none",
     )
-    denser = (reynolds or 1.0) / scene.modified_reynolds
-    gas = replace(scene.gas, density_kg_per_m3=denser * scene.gas.density_kg_per_m3)
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"), gas=gas)
+    scene = with_pad(at_reynolds(scene, reynolds or 1.0), shape="ellipse")
     settings = SETTINGS | {"tolerance": 1e-4 if reynolds else 1e-6}
     (force,) = solve([scene], tolerance=settings["tolerance"], device=DEVICE)
     found = levitate(scene, load_n=force.force_n, **settings)

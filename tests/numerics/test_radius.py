@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from films import PISTON, SINC, film, solved
+from films import PISTON, SINC, at_reynolds, film, solved, with_pad
 from scipy.special import jn_zeros
 
 from squeezefilm.film.pad import GapShape
@@ -34,15 +34,12 @@ CROWNED = GapShape(crown_m=1e-6)
 def disc(profile: Profile = PISTON, *, gap: GapShape | None = None, **numbers: object) -> Scene:
     """Under a disc of Re 2, unless it has no inertia."""
     scene = film(epsilon=0.3, sigma=100.0, profile=profile, **numbers)  # type: ignore[arg-type]
-    density = 2 * scene.gas.density_kg_per_m3 / scene.modified_reynolds
-    pad = replace(scene.pad, shape="ellipse", gap=gap or scene.pad.gap)
-    return replace(scene.with_gas(density_kg_per_m3=density), pad=pad)
+    return with_pad(at_reynolds(scene, 2), shape="ellipse", gap=gap or scene.pad.gap)
 
 
 def with_angle(scene: Scene) -> Scene:
     """The same disc as an ellipse, longer by so little that only its coordinates differ."""
-    pad = scene.pad
-    return replace(scene, pad=replace(pad, length_y_m=(1 + 1e-12) * pad.length_x_m))
+    return with_pad(scene, length_y_m=(1 + 1e-12) * scene.pad.length_x_m)
 
 
 def bessel(nodal_diameters: int) -> BesselMode:
@@ -75,7 +72,7 @@ def test_the_force_is_that_of_the_whole_disc(name):
 def test_a_third_grid_s_error_counts_as_falling():
     """By the nodes along the radius: else it would take a fourth, finer than the whole disc's."""
     scene = film(epsilon=0.39, sigma=1264.0, profile=PISTON)
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    scene = with_pad(scene, shape="ellipse")
     assert solved(scene, tolerance=1e-4).nx <= solved(with_angle(scene), tolerance=1e-5).nx
 
 
