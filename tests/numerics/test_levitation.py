@@ -117,10 +117,7 @@ def test_a_levitated_disc_rings_down_as_its_resonance_says(epsilon, sigma, reyno
     The gas without inertia is thin, within the limits of validity.
     """
     scene = film(
-        epsilon=epsilon,
-        sigma=sigma,
-        profile=profile,
-        inertia="included" if reynolds else "none",
+        epsilon=epsilon, sigma=sigma, profile=profile, inertia="included" if reynolds else "none"
     )
     scene = with_pad(at_reynolds(scene, reynolds or 1.0), shape="ellipse")
     settings = SETTINGS | {"tolerance": 1e-4 if reynolds else 1e-6}
@@ -182,16 +179,8 @@ def test_a_floating_part_oscillates_at_the_root_of_its_equation_of_motion(tmp_pa
 
 
 def test_a_resonance_with_an_error_as_large_as_itself_is_not_known(tmp_path, capsys):
-    words = [
-        "levitate",
-        "--mass",
-        "20g",
-        "--hv",
-        "2.3um",
-        "--config",
-        study(tmp_path, **SMALL_DISC),
-    ]
-    assert main(words) == 0
+    words = ["--mass", "20g", "--hv", "2.3um", "--config", study(tmp_path, **SMALL_DISC)]
+    assert main(["levitate", *words]) == 0
     shown = capsys.readouterr().out
     assert re.search(r"resonance +below about \d+ Hz \(error as large as the value\)", shown)
     assert re.search(r"note +resonance not known: its error is as large as its value", shown)
@@ -230,11 +219,7 @@ DISC = {
 @pytest.mark.parametrize(
     ("words", "sections", "reasons"),
     [
-        (
-            ["--mass", "10g", "--hv", "3um"],
-            DISC,
-            ["modified Reynolds number"],
-        ),
+        (["--mass", "10g", "--hv", "3um"], DISC, ["modified Reynolds number"]),
         (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 12.8"]),
     ],
 )

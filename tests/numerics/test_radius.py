@@ -123,8 +123,7 @@ def test_a_pressure_that_the_edge_shares_with_the_film_drives_no_flow():
     grid = Grid(12, 1, 12, True, True)
     films = Fields.of([disc()], grid, np.zeros((1, 1, *grid.space_time_shape)))
     films = replace(
-        films,
-        edge_gauge_pressure=0.01 * films.inward_normal_signs[0] + films.edge_gauge_pressure,
+        films, edge_gauge_pressure=0.01 * films.inward_normal_signs[0] + films.edge_gauge_pressure
     )
     rise = 0.01
     viscous = (rise + rise**2 / 2) * films.gap[:, :1] ** 1.5

@@ -121,10 +121,7 @@ def test_the_stated_error_covers_the_true_one(smooth, axisymmetric):
 GOOD = scan_text(noise=0.02, missing=0.03, seed=1)
 HEADER, ROWS = GOOD.split("\n", 1)
 WRONG = {
-    "an unknown column": (
-        GOOD.replace("amplitude_um", "height_um"),
-        "not understood: 'height_um'",
-    ),
+    "an unknown column": (GOOD.replace("amplitude_um", "height_um"), "not understood: 'height_um'"),
     "no unit": (
         GOOD.replace("x_mm", "x"),
         "line 1: no unit is known of 'x'; write it into the header, as in x [mm]",

@@ -24,11 +24,7 @@ from squeezefilm.quantities.sheared_gas import (
     first_order_remainder_of_scene,
     scaled_sheared_gas_thrust,
 )
-from squeezefilm.quantities.states import (
-    MIN_FORCE_TOLERANCE,
-    error_per_grid_change,
-    with_states,
-)
+from squeezefilm.quantities.states import MIN_FORCE_TOLERANCE, error_per_grid_change, with_states
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.error_estimate import ALLOWED_ROUND_OFF_FACTOR, RELATIVE_ROUND_OFF
 from squeezefilm.reynolds.grid import Grid

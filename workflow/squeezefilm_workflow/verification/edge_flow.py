@@ -71,10 +71,7 @@ def edge_flow(options: argparse.Namespace) -> None:
 
 
 def edge_impedance(
-    reynolds: float,
-    *,
-    slip_length: float = 0.0,
-    open_radius: float = 300.0,
+    reynolds: float, *, slip_length: float = 0.0, open_radius: float = 300.0
 ) -> complex:
     """Return resistance + i Re inertance of the flow around an edge.
 

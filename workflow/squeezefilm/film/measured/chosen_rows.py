@@ -79,11 +79,7 @@ def reject_points_off_surface(
 
 
 def one_row_per_position(
-    table: pd.DataFrame,
-    cells: pd.DataFrame,
-    others: Sequence[ScanColumn],
-    *,
-    frequency_hz: float,
+    table: pd.DataFrame, cells: pd.DataFrame, others: Sequence[ScanColumn], *, frequency_hz: float
 ) -> tuple[pd.DataFrame, list[str]]:
     """The rows of one measurement at each place, and notes on which these are.
 

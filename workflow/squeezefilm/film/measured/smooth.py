@@ -27,11 +27,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
 from squeezefilm.film.measured.mode_fit import MAX_MODE_DEGREE, ModeFit, ScanPoints, best_mode_fit
-from squeezefilm.film.measured.placement import (
-    edge_note,
-    origin_note,
-    read_scan_on_surface,
-)
+from squeezefilm.film.measured.placement import edge_note, origin_note, read_scan_on_surface
 from squeezefilm.film.measured.scan import (
     Scan,
     average_repeated_points,
