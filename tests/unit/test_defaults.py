@@ -187,7 +187,7 @@ def test_a_film_alone_is_shown_and_read_and_is_no_study(tmp_path, capsys):
 def test_the_origin_of_a_scan_is_a_place_in_its_file(tmp_path):
     measured = "{kind: measured, file: scan.csv, origin: [100 mm, 0]}"
     written = parse_config(SHORT.replace("{kind: piston}", measured), path=tmp_path / "mine.yaml")
-    assert written.smoothing_arguments["origin_m"] == (0.1, 0.0)
+    assert written.smoothing_arguments["settings"].origin_m == (0.1, 0.0)
 
 
 def test_constants_of_a_formula_have_units_and_stay_in_the_whole_study(tmp_path):

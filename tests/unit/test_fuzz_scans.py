@@ -13,6 +13,7 @@ from example_scan import scan_text
 
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.smooth import smoothed_scan_of_file
+from squeezefilm.film.profiles import ScanFile
 from squeezefilm.film.surfaces import Disc
 
 RADIUS_M = 0.01
@@ -60,9 +61,8 @@ def test_a_scan_runs_or_is_refused(block, tmp_path):
         path.write_text(mutated(draw.choice([SCAN, RADIAL]), draw), encoding="utf-8", newline="")
         axisymmetric = draw.random() < 0.7
         try:
-            smoothed = smoothed_scan_of_file(
-                path, surface=Disc(RADIUS_M), axisymmetric=axisymmetric
-            )
+            settings = ScanFile("scan.csv", axisymmetric=axisymmetric)
+            smoothed = smoothed_scan_of_file(path, settings, Disc(RADIUS_M), frequency_hz=43270.0)
         except InputError as error:
             message = str(error)
             assert "scan.csv" in message

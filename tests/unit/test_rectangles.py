@@ -14,6 +14,7 @@ from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, smooth_scan, smoothed_scan_of_file
+from squeezefilm.film.profiles import ScanFile
 from squeezefilm.film.surfaces import Rectangle
 from squeezefilm.film.symmetry import MirrorAxes, symmetry_from_dict
 from squeezefilm.quantities.model_error import resolve_auto_terms
@@ -22,6 +23,7 @@ from squeezefilm.studies.space import pad_positions, space_of_study
 from squeezefilm.studies.study import check_study, scene_of_study, scenes_of_table
 
 WAVE = {"kind": "formula", "expression": "cos(2*pi*x/0.024)*(1 - 0.2*(y/0.01)**2)"}
+FREE_SHAPE = ScanFile("scan.csv")
 PAD = {"shape": "rectangle", "length_x_m": 0.010, "length_y_m": 0.008}
 
 
@@ -59,7 +61,7 @@ def test_an_ordinary_scan_gives_the_profile_within_its_error(shape, columns, row
     amplitude_m = 1e-6 * (exact(x_m, y_m) + noise + 0j)
     lines = np.arange(len(x_m)) + 2
     scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, has_phase_or_sign=True)
-    smooth = smooth_scan(scan, surface=surface, axisymmetric=False)
+    smooth = smooth_scan(scan, FREE_SHAPE, surface)
     x_m, y_m, _ = surface.net_points_and_weights()
     found_m = smooth.peak_m * smooth.profile.amplitude(x_m=x_m, y_m=y_m)
     off_m = np.abs(np.abs(found_m) - np.abs(1e-6 * exact(x_m, y_m)))
@@ -79,7 +81,7 @@ def test_a_scan_that_is_too_coarse_names_the_spacing_that_would_do():
         amplitude_m = 1e-6 * (np.cos(2 * np.pi * x_m / 0.012) + noise + 0j)
         lines = np.arange(len(x_m)) + 2
         scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, has_phase_or_sign=True)
-        return smooth_scan(scan, surface=surface, axisymmetric=False)
+        return smooth_scan(scan, FREE_SHAPE, surface)
 
     with pytest.raises(InputError, match=r"modes of degree \d+; .*actuator\.surface") as refusal:
         smooth(9, 5)
@@ -90,7 +92,7 @@ def test_a_scan_that_is_too_coarse_names_the_spacing_that_would_do():
 def test_a_scan_is_smoothed_within_its_error(tmp_path):
     path = tmp_path / "scan.csv"
     path.write_text(scan_text(noise=0.02, missing=0.03, seed=5, surface="plate"), encoding="utf-8")
-    smoothed = smoothed_scan_of_file(path, surface=PLATE, axisymmetric=False)
+    smoothed = smoothed_scan_of_file(path, FREE_SHAPE, PLATE, frequency_hz=20e3)
     even = np.outer(np.arange(500) + 0.5, 1.32471795724474602596 ** np.array([-1.0, -2.0])) % 1
     x_m, y_m = ((2 * even - 1) * PLATE.half_extents_m).T  # all over it, but its very corners
     exact = EXAMPLES["plate"][1].amplitude(x_m=x_m, y_m=y_m)

@@ -15,14 +15,11 @@ from scipy.stats import binom
 
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.film.measured.placement import check_points
 from squeezefilm.film.measured.scan import Scan
-from squeezefilm.film.measured.smooth import (
-    SmoothedScan,
-    read_smoothed_scan,
-    smooth_scan,
-    write_smoothed_scan,
-)
-from squeezefilm.film.profiles import Profile, TravellingWave
+from squeezefilm.film.measured.smooth import SmoothedScan, smooth_scan
+from squeezefilm.film.measured.smoothed_file import read_smoothed_scan, write_smoothed_scan
+from squeezefilm.film.profiles import Profile, ScanFile, TravellingWave
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.reynolds import solve
@@ -32,6 +29,8 @@ from squeezefilm.studies.tasks.scan_errors import scan_errors_table
 from squeezefilm_workflow.reporting.figures.maps import _draw_over_radius
 
 RADIUS_M = 0.01
+FREE_SHAPE = ScanFile("scan.csv")
+KEPT_WITH = {"settings": FREE_SHAPE, "surface": Disc(RADIUS_M), "frequency_hz": 43270.0}
 SINC = {"kind": "sinc", "wave_number_per_m": 109.8}
 DIAMETERS = {
     "kind": "bessel",
@@ -75,7 +74,7 @@ def unsigned(scan: Scan) -> Scan:
 
 
 def smooth(scan: Scan, **settings: Any) -> SmoothedScan:
-    return smooth_scan(scan, surface=Disc(RADIUS_M), axisymmetric=False, **settings)
+    return smooth_scan(scan, ScanFile("scan.csv", **settings), Disc(RADIUS_M))
 
 
 @pytest.fixture(scope="module")
@@ -151,7 +150,7 @@ def test_waves_along_one_side_with_a_slope_along_the_other_are_covered(scene):
         amplitude_m = 1e-6 * (true.amplitude(x_m=x_m, y_m=y_m) + noise + 0j)
         lines = np.arange(len(x_m)) + 2
         scan = Scan(Path("scan.csv"), x_m, y_m, amplitude_m, lines, 0, has_phase_or_sign=True)
-        smooth = smooth_scan(scan, surface=surface, axisymmetric=False)
+        smooth = smooth_scan(scan, FREE_SHAPE, surface)
         errors = scan_errors_table([on(pad, smooth.profile) for pad in pads], smooth, device=device)
         held.append(np.abs(errors["force_n"] - exact_n) <= errors["scan_error_n"])
     assert np.mean(held) >= 0.9
@@ -181,11 +180,11 @@ def test_the_scale_may_be_taken_where_the_scan_measured():
     lines = np.arange(len(u)) + 2
     scan = Scan(Path("scan.csv"), x_m, y_m, u.astype(complex), lines, 0, has_phase_or_sign=True)
     surface = Rectangle(0.06, 0.04)
-    default = smooth_scan(scan, surface=surface, axisymmetric=False)
+    default = smooth_scan(scan, FREE_SHAPE, surface)
     (note,) = default.warnings
     assert "between or beyond the last rows" in note
     assert "actuator.profile.scale: measured" in note
-    measured = smooth_scan(scan, surface=surface, axisymmetric=False, scale="measured")
+    measured = smooth_scan(scan, ScanFile("scan.csv", scale="measured"), surface)
     assert measured.warnings == ()
     assert measured.peak_m == pytest.approx(1.2e-6, rel=0.01)
     assert measured.peak_bias_m < 0.2 * default.peak_bias_m
@@ -208,7 +207,7 @@ def test_strays_are_not_fitted(scene):
 def test_an_unsigned_scan_is_taken_if_the_study_says_so():
     scan = unsigned(scan_of(profile(DOME), noise=0.02, seed=1))
     with pytest.raises(InputError, match=r"(?s)node line.*actuator\.profile\.sign: unknown"):
-        smooth(scan)
+        check_points(scan, FREE_SHAPE, Disc(RADIUS_M))
     (warning,) = smooth(scan, sign="unknown").warnings
     assert "all amplitudes are taken to one side" in warning
 
@@ -250,8 +249,8 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path = tmp_path / "scan.csv"
     path.write_text("as measured")
     scan = smooth(replace(with_two_phases(0.5), path=path))
-    write_smoothed_scan(scan, tmp_path / "smoothed.npz", surface=Disc(RADIUS_M))
-    again = read_smoothed_scan(tmp_path / "smoothed.npz", path, surface=Disc(RADIUS_M))
+    write_smoothed_scan(scan, tmp_path / "smoothed.npz", **KEPT_WITH)
+    again = read_smoothed_scan(tmp_path / "smoothed.npz", path, **KEPT_WITH)
     assert scan.profile.is_complex
     assert again.profile == scan.profile
     assert again.scan.notes == scan.scan.notes
@@ -262,7 +261,7 @@ def test_a_smoothed_scan_in_two_phases_is_read_as_it_was_written(tmp_path):
     path.write_text("measured again")
     read_smoothed_scan.cache_clear()
     with pytest.raises(InputError, match=r"smoothed from another scan\.csv"):
-        read_smoothed_scan(tmp_path / "smoothed.npz", path, surface=Disc(RADIUS_M))
+        read_smoothed_scan(tmp_path / "smoothed.npz", path, **KEPT_WITH)
 
 
 class Trap:
@@ -285,7 +284,7 @@ def test_a_file_in_a_smoothed_scans_place_is_not_executed(tmp_path):
         write()
         read_smoothed_scan.cache_clear()
         with pytest.raises(InputError, match=r"smoothed\.npz: not a smoothed scan"):
-            read_smoothed_scan(stored, scan, surface=Disc(RADIUS_M))
+            read_smoothed_scan(stored, scan, **KEPT_WITH)
         assert not trace.exists()
 
 

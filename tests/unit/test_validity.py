@@ -35,11 +35,9 @@ def at(scene, h0_um, hv_um=1e-3, *, hz=43270.0, side_m=0.01, gap=None, speed=0.0
     )
 
 
-IN, SLIP, KINETIC = (
-    {"inertia": "included"},
-    {"rarefaction": "slip"},
-    {"rarefaction": "fukui-kaneko"},
-)
+IN = {"inertia": "included"}
+SLIP = {"rarefaction": "slip"}
+KINETIC = {"rarefaction": "fukui-kaneko"}
 
 
 @pytest.mark.parametrize(

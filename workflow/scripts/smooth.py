@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from squeezefilm.film.measured.smooth import write_smoothed_scan
+from squeezefilm.film.measured.smoothed_file import write_smoothed_scan
 from squeezefilm_workflow.job import Job, Study, run_script
 
 

@@ -254,9 +254,8 @@ def parse_formula(
         raise InputError(f"{source}: {_quoted_part(text)}: # and \\ have no meaning in a formula")
     if len(text) > MAX_FORMULA_CHARACTERS:
         raise InputError(
-            f"{source}: the formula has {len(text)} characters; at most "
-            f"{MAX_FORMULA_CHARACTERS} are "
-            "allowed"
+            f"{source}: the formula has {len(text)} characters; at most {MAX_FORMULA_CHARACTERS} "
+            "are allowed"
         )
     try:
         with warnings.catch_warnings():

@@ -24,10 +24,8 @@ UNIT_OF_NAME = {
 PER_SECOND_PATTERN = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
 ORIGIN_MICRO_ESCAPE = r"\g(m)"
-UNIT_START_PATTERN, WORD_SEPARATOR_PATTERN = (
-    re.compile(r"[\s_/,.\[(]+"),
-    re.compile(r"[\s,_\-.:()\[\]/]+"),
-)
+UNIT_START_PATTERN = re.compile(r"[\s_/,.\[(]+")
+WORD_SEPARATOR_PATTERN = re.compile(r"[\s,_\-.:()\[\]/]+")
 
 
 def fold_accents(text: str) -> str:

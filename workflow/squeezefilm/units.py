@@ -19,9 +19,8 @@ MAX_SPACED_VALUES = 10_000
 MAX_DECIMALS, MIN_VALUE_WITHOUT_EXPONENT = 15, 1e-4
 """Decimals of a value that is shown, and the least that is shown without an exponent."""
 DECIMAL_REGEX = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-NUMBER_PATTERN = re.compile(
-    rf"(?!\s*[-+]?0\d+\s*$)\s*({DECIMAL_REGEX})\s*", re.ASCII
-)  # 010 may be an octal 8
+# 010 is none: it may be an octal 8.
+NUMBER_PATTERN = re.compile(rf"(?!\s*[-+]?0\d+\s*$)\s*({DECIMAL_REGEX})\s*", re.ASCII)
 SHARED_UNIT_PATTERN = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
 """Numbers without units, and the unit at the end that is that of all."""
 UNIT_FACTOR_PATTERN = re.compile(
@@ -133,10 +132,8 @@ def number_in_unit(text: str, unit: str) -> float | None:
     A number alone is in that unit already.
     """
     match = NUMBER_PATTERN.match(text)
-    own, wanted = (
-        parse_compound_unit(text[match.end() :] or unit) if match else None,
-        parse_compound_unit(unit),
-    )
+    own = parse_compound_unit(text[match.end() :] or unit) if match else None
+    wanted = parse_compound_unit(unit)
     if not match or not own or not wanted or own.dimension != wanted.dimension:
         return None
     # Fifteen digits: 2.2 µm is 2.2e-6 m and not 2.1999999999999997e-6 m.

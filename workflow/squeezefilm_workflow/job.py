@@ -13,6 +13,7 @@ from typing import Any, TextIO
 
 import pandas as pd
 
+from squeezefilm.config.film import SMOOTHED_SCAN_ENV_VAR
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
@@ -20,11 +21,8 @@ from squeezefilm.files import SUBSTITUTE_HANDLER_NAME, write_text
 from squeezefilm.parallel import show_progress
 from squeezefilm.tables import write_json, write_table
 
-# Variables of reynolds/device.py and studies/study.py, which take long to import.
-NODE_CACHE_ENV_VARIABLE, SMOOTHED_SCAN_ENV_VARIABLE = (
-    "SQUEEZEFILM_NODE_CACHE",
-    "SQUEEZEFILM_SMOOTHED",
-)
+# Of reynolds/kernel_cache.py, which takes long to import.
+NODE_CACHE_ENV_VARIABLE = "SQUEEZEFILM_NODE_CACHE"
 Job = Any
 """The object ``snakemake`` that Snakemake puts before a script's first line."""
 _terminal_streams: list[TextIO] = []
@@ -63,7 +61,7 @@ def run_script(main: Callable[[Job, Study], None], snakemake: Job) -> None:
     try:
         config = load_config(snakemake.config["study_file"])
         smoothed = results_folder(snakemake, config) / "profile/smoothed.npz"
-        os.environ[SMOOTHED_SCAN_ENV_VARIABLE] = str(smoothed)
+        os.environ[SMOOTHED_SCAN_ENV_VAR] = str(smoothed)
         main(snakemake, config)
     except (InputError, RunError) as error:
         last = f"squeezefilm: error: {error}"

@@ -508,8 +508,7 @@ class Film:
     def __repr__(self) -> str:
         actuator, pad = self.config.actuator, self.config.pad
         return (
-            f"{type(self).__name__}: {actuator.profile.kind} at "
-            f"{actuator.frequency_hz / 1e3:g} kHz under a pad of "
-            f"{1e3 * pad.length_x_m:g} mm × {1e3 * pad.length_y_m:g} mm "
+            f"{type(self).__name__}: {actuator.profile.kind} at {actuator.frequency_hz / 1e3:g} "
+            f"kHz under a pad of {1e3 * pad.length_x_m:g} mm × {1e3 * pad.length_y_m:g} mm "
             f"({pad.shape})"
         )

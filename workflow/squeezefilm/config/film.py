@@ -89,18 +89,10 @@ class FilmSections(Section):
     @property
     def smoothing_arguments(self) -> dict[str, Any]:
         """Arguments of ``smoothed_scan_of_file`` besides the scan's file."""
-        settings = self.actuator.profile
+        settings, surface = self.actuator.profile, self.actuator.surface
         assert isinstance(settings, ScanFile)
-        return {
-            "surface": self.actuator.surface,
-            "frequency_hz": self.actuator.frequency_hz,
-            "axisymmetric": settings.axisymmetric,
-            "along": settings.along,
-            "sign": settings.sign,
-            "rows": settings.rows,
-            "origin_m": settings.origin_m,
-            "scale": settings.scale,
-        }
+        frequency_hz = self.actuator.frequency_hz
+        return {"settings": settings, "surface": surface, "frequency_hz": frequency_hz}
 
     def smoothed_scan(self, *, again: bool = False) -> "SmoothedScan | None":
         """The measured vibration shape with all that is known of it; None if it is not measured.
@@ -111,7 +103,7 @@ class FilmSections(Section):
         path = self.scan_path
         if path is None:
             return None
-        from squeezefilm.film.measured.smooth import read_smoothed_scan
+        from squeezefilm.film.measured.smoothed_file import read_smoothed_scan
 
         kept = Path(os.environ.get(SMOOTHED_SCAN_ENV_VAR, ""))
         if again or not kept.is_file():

@@ -132,10 +132,8 @@ def sensitivity(
 
     Equal weights by default. Undefined derivatives give zero. Infinite where M is singular.
     """
-    roots, other = (
-        _information_cholesky(stacked_derivatives(design), weights),
-        stacked_derivatives(derivatives),
-    )
+    roots = _information_cholesky(stacked_derivatives(design), weights)
+    other = stacked_derivatives(derivatives)
     if not roots.any(axis=(1, 2)).all():
         return np.full(other.shape[1], np.inf)
     return np.asarray(_prediction_variances(other, roots).mean(axis=0) / other.shape[2])

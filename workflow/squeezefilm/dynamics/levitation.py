@@ -147,25 +147,24 @@ def levitate(
             )
         raise InputError(
             f"load: no gap from {_micrometre_text(gaps_m[0])} to {_micrometre_text(gaps_m[-1])} "
-            f"carries "
-            f"{load_n:g} N at hv = {_micrometre_text(scene.hv_m)}; forces there: {carried}"
+            f"carries {load_n:g} N at hv = {_micrometre_text(scene.hv_m)}; forces there: {carried}"
         )
-    found, note = _scene_at_load(
+    scene_at_load, note = _scene_at_load(
         scene, rough[-1], load_n=load_n, model_tolerance=model_tolerance, how=how
     )
     notes = [*unsupported_auto_term_texts(scene, method=method), *[note] * bool(note)]
     not_given = f"load: no gap is given for {load_n:g} N: "
-    if limits := exceeded_limit_texts(found):
+    if limits := exceeded_limit_texts(scene_at_load):
         raise RunError(not_given + "; ".join([*limits, *notes]))
-    (budget,) = error_budgets([found], device=device)
+    (budget,) = error_budgets([scene_at_load], device=device)
     levitation = replace(
-        _levitation_at_gap(found, load_n=load_n, how=how),
+        _levitation_at_gap(scene_at_load, load_n=load_n, how=how),
         other_gaps_m=tuple(other.gap_m for other in rough[:-1]),
         budget=budget,
-        notes=(*notes, *validity_notes(found)),
+        notes=(*notes, *validity_notes(scene_at_load)),
     )
     error_m = levitation.known_modelling_error_m
-    if budget.status == OK and not error_m <= MAX_RELATIVE_MODELLING_ERROR * found.h0_m:
+    if budget.status == OK and not error_m <= MAX_RELATIVE_MODELLING_ERROR * scene_at_load.h0_m:
         too_large = (
             f"the gap's modelling error, up to {1e6 * error_m:.2g} µm, is more than a tenth of the "
             "gap"
@@ -297,14 +296,16 @@ def _gap_at_load(
         force_n = float(_require_finite(solution.force_n, at_gap, solution.status))
         return log(max(force_n / load_n, MIN_FORCE_OVER_LOAD))
 
-    found = _secant_gap_at_load(
+    rough_gap = _secant_gap_at_load(
         partial(log_force_over_load, how=rough), start, precision=ROUGH_FORCE_TOLERANCE / 10
     )
     # The gap may lie anywhere here; where all of it is outside, none is given.
-    ends = (1 + ROUGH_FORCE_TOLERANCE * np.array([-1, 1])) * found.gap_m
+    ends = (1 + ROUGH_FORCE_TOLERANCE * np.array([-1, 1])) * rough_gap.gap_m
     if all(map(exceeded_limit_texts, _scenes_at_gaps(scene, ends))):
-        return found
-    return _secant_gap_at_load(partial(log_force_over_load, how=how), found, precision=tolerance)
+        return rough_gap
+    return _secant_gap_at_load(
+        partial(log_force_over_load, how=how), rough_gap, precision=tolerance
+    )
 
 
 def _levitation_at_gap(scene: Scene, *, load_n: float, how: dict[str, Any]) -> Levitation:

@@ -24,20 +24,20 @@ TABLE_LOAD_COUNT, TABLE_AMPLITUDE_COUNT = 8, 4
 
 # Of a table of levitations, between the load and its status.
 LEVITATION_COLUMNS: dict[str, Callable[[Levitation], object]] = {
-    "h0_m": lambda found: found.scene.h0_m,
-    "h0_error_m": lambda found: found.h0_error_m,
-    "h0_modelling_error_lower_m": lambda found: found.modelling_error_m[0],
-    "h0_modelling_error_upper_m": lambda found: found.modelling_error_m[1],
-    "other_gaps_m": lambda found: "; ".join(f"{each:.3g}" for each in found.other_gaps_m),
-    "stiffness_n_per_m": lambda found: found.stiffness_n_per_m,
-    "stiffness_error_n_per_m": lambda found: found.stiffness_error_n_per_m,
-    "stable": lambda found: found.is_stable,
-    "epsilon": lambda found: found.scene.epsilon,
-    "modified_reynolds": lambda found: found.scene.modified_reynolds,
-    "inertia": lambda found: found.scene.gas.inertia,
-    "modelling_error_lower_percent": lambda found: found.budget.modelling_error_percent[0],
-    "modelling_error_upper_percent": lambda found: found.budget.modelling_error_percent[1],
-    "unknown_effects": lambda found: "; ".join(found.budget.unknown_effect_names),
+    "h0_m": lambda part: part.scene.h0_m,
+    "h0_error_m": lambda part: part.h0_error_m,
+    "h0_modelling_error_lower_m": lambda part: part.modelling_error_m[0],
+    "h0_modelling_error_upper_m": lambda part: part.modelling_error_m[1],
+    "other_gaps_m": lambda part: "; ".join(f"{each:.3g}" for each in part.other_gaps_m),
+    "stiffness_n_per_m": lambda part: part.stiffness_n_per_m,
+    "stiffness_error_n_per_m": lambda part: part.stiffness_error_n_per_m,
+    "stable": lambda part: part.is_stable,
+    "epsilon": lambda part: part.scene.epsilon,
+    "modified_reynolds": lambda part: part.scene.modified_reynolds,
+    "inertia": lambda part: part.scene.gas.inertia,
+    "modelling_error_lower_percent": lambda part: part.budget.modelling_error_percent[0],
+    "modelling_error_upper_percent": lambda part: part.budget.modelling_error_percent[1],
+    "unknown_effects": lambda part: "; ".join(part.budget.unknown_effect_names),
 }
 
 

@@ -146,10 +146,8 @@ def disc_grid(amplitude: AmplitudeFunction, points: int) -> PadGrid:
 
 def outline_grid(outline: Outline, amplitude: AmplitudeFunction, points: int) -> PadGrid:
     """The nodes μ > 0, ν of an outline's coordinates (film/outline.py): f(−μ, ν) = f(μ, −ν)."""
-    line, angle = (
-        cached_axis(points + 1, False),
-        cached_time_axis(NODES_AROUND_PER_NODE_ACROSS * (points + 1)),
-    )
+    line = cached_axis(points + 1, False)
+    angle = cached_time_axis(NODES_AROUND_PER_NODE_ACROSS * (points + 1))
     unit = 2 * outline.edge_mu
     across, nu = np.meshgrid(line.all_nodes[len(line.all_nodes) // 2 :], angle.nodes, indexing="ij")
     stretch = outline.map_jacobian(unit * (across - 0.5), nu)

@@ -120,18 +120,18 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
         )
     error = scale * _stiffness_error(film, scene, root, lag, slow / scale) + slow_error
     moved += error / abs(slope)
-    found = Resonance(
+    known = Resonance(
         frequency_hz=abs(root.imag) * scene.actuator.frequency_hz,
         frequency_error_hz=moved * scene.actuator.frequency_hz,
         damping_ratio=-root.real / abs(root),
         damping_ratio_error=moved / abs(root),
     )
-    if round_up_error(found.frequency_error_hz) < found.frequency_hz:
-        return found
-    if found.damping_ratio_error >= max(found.damping_ratio, 1 - found.damping_ratio):
+    if round_up_error(known.frequency_error_hz) < known.frequency_hz:
+        return known
+    if known.damping_ratio_error >= max(known.damping_ratio, 1 - known.damping_ratio):
         # An oscillation has a damping ratio from 0 to 1: nothing is known of it.
-        found = found._replace(damping_ratio=nan, damping_ratio_error=nan)
-    return found._replace(reason="resonance not known: its error is as large as its value")
+        known = known._replace(damping_ratio=nan, damping_ratio_error=nan)
+    return known._replace(reason="resonance not known: its error is as large as its value")
 
 
 def _oscillations(film: PeriodAveragedFilm, *, slow: float, scale: float) -> np.ndarray:

@@ -120,8 +120,7 @@ def _fill_gas_properties(values: Any, validated: ValidatorFunctionWrapHandler) -
         raise error_at_key(
             f"{gas.viscosity_pa_s:g} is not that of {gas.name} at {gas.ambient_temperature_k:g} K, "
             f"{viscosity:.4g}; of another gas give {', '.join(map(key_of_name, lacking))} too, "
-            f"which "
-            f"are {gas.name}'s where they are not written",
+            f"which are {gas.name}'s where they are not written",
             "viscosity",
         )
     if gas.slip_coefficient != 1 and gas.rarefaction != "slip":

@@ -28,10 +28,8 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.surfaces import Surface
 
 OK = "ok"
-ERROR_UNVERIFIED_TEXT, NOT_APPLICABLE_TEXT = (
-    "modelling error unverified",
-    "the equation does not apply",
-)
+ERROR_UNVERIFIED_TEXT = "modelling error unverified"
+NOT_APPLICABLE_TEXT = "the equation does not apply"
 RAREFIED_REMEDY_TEXT = "use gas.rarefaction: fukui-kaneko"
 # Squeeze number below which gas is pumped in and out and hardly compressed.
 THICK_FILM_SIGMA = 20.0

@@ -270,8 +270,7 @@ def read_fit(path: Path | str) -> FittedModel:
         what = f"it lacks {', '.join(lacking)}" if lacking else f"its is {values['format']}"
         raise InputError(
             f"{path}: this version reads fits of format {FIT_FILE_FORMAT_VERSION}, and {what}; fit "
-            f"again with this "
-            "version (`squeezefilm fit`, or snakemake for a study)"
+            "again with this version (`squeezefilm fit`, or snakemake for a study)"
         )
     return fit_from_values(values, source=path)
 

@@ -63,9 +63,8 @@ ASINH_THETA_BOUNDS = (2.0, 16.0)
 CONFIDENCE_LEVEL = 0.95
 PARAMETER_RANGES_NOTE = (
     f"{CONFIDENCE_LEVEL:.0%} profile-likelihood intervals, conditional on this plan and on the "
-    "formula. They "
-    "measure the lack of fit of a deterministic simulation, not noise: another plan may give "
-    "intervals that do not overlap these. null is open."
+    "formula. They measure the lack of fit of a deterministic simulation, not noise: another plan "
+    "may give intervals that do not overlap these. null is open."
 )
 """Said wherever intervals are written."""
 MAX_RANGE_SEARCH_STEPS, OPEN_RANGE_STEP_MULTIPLE = 60, 2.0**30
@@ -323,22 +322,18 @@ class _VariableProjection:
     def _sums_of_squares(self, u: Array) -> Array:
         residual, columns = self._residual_and_linear_columns(u)
         length = np.linalg.norm(columns, axis=-1)
-        for column_index in range(
-            columns.shape[1]
-        ):  # Gram and Schmidt's, modified: no unit of force
-            left = np.linalg.norm(columns[:, column_index], axis=-1)
-            left[left < DEPENDENT_COLUMN_TOLERANCE * length[:, column_index]] = (
-                np.inf
-            )  # for one that others replace
-            unit = columns[:, column_index] / left[:, None]
+        # Gram and Schmidt's, modified: no unit of force.
+        for k in range(columns.shape[1]):
+            left = np.linalg.norm(columns[:, k], axis=-1)
+            replaced_by_others = left < DEPENDENT_COLUMN_TOLERANCE * length[:, k]
+            left[replaced_by_others] = np.inf
+            unit = columns[:, k] / left[:, None]
             residual = residual - np.sum(unit * residual, axis=-1)[:, None] * unit
-            rest = columns[:, column_index + 1 :]
+            rest = columns[:, k + 1 :]
             projections = np.sum(unit[:, None] * rest, axis=-1)
-            columns[:, column_index + 1 :] = rest - projections[..., None] * unit[:, None]
+            columns[:, k + 1 :] = rest - projections[..., None] * unit[:, None]
         squares = np.sum(residual**2, axis=-1) / np.sum(self.force_n**2)
-        return np.fmin(
-            squares, UNDEFINED_OBJECTIVE_VALUE
-        )  # which takes the number where squares are none
+        return np.fmin(squares, UNDEFINED_OBJECTIVE_VALUE)  # the number where squares are none
 
     def theta(self, u: Array) -> Array:
         """All parameters, shape (p,), from those that were searched for, shape (q,)."""

@@ -87,10 +87,8 @@ class ExpressionModel:
             for name in FACTOR_COLUMN_OF_NAME
             if name in self.parsed_expression.names
         }
-        polar, cartesian = (
-            used & {*POLAR_COLUMNS, "phi_rad"},
-            used & set(CARTESIAN_COLUMNS) or self.column_names,
-        )
+        polar = used & {*POLAR_COLUMNS, "phi_rad"}
+        cartesian = used & set(CARTESIAN_COLUMNS) or self.column_names
         return (
             "h0_m",
             "hv_m",
@@ -153,8 +151,7 @@ class ExpressionModel:
             row, column = wrong[0]
             raise InputError(
                 f"{self.source_location}: {self.expression!r} has no finite derivative with "
-                f"respect to "
-                f"{self.parameter_names[column]} {self.point_text(theta, factors, row)}"
+                f"respect to {self.parameter_names[column]} {self.point_text(theta, factors, row)}"
             )
         return np.where(defined[:, None], slopes, np.nan)
 

@@ -189,9 +189,8 @@ def sliding_flux_and_mass(films: Fields) -> tuple[np.ndarray, np.ndarray]:
 def sliding_flux_by_inertia(films: Fields) -> np.ndarray:
     """Return the flux that U adds by inertia; of slip only the longer lag."""
     v, wall, mass = films.gap_mean_velocity, wall_velocity(films), films.mass
-    by_wall = films.convective_acceleration(v + wall) - films.convective_acceleration(
-        v
-    )  # (U·∇)ū, for U is uniform
+    # (U·∇)ū, for U is uniform.
+    by_wall = films.convective_acceleration(v + wall) - films.convective_acceleration(v)
     passed = wall_speed(films) * films.pad_x_derivative(mass) / films.area  # U·∇M
     shortfall = by_wall * mass / 2 + wall * (passed / 12) - v * (passed / 14)
     # Slip lengthens the lag as in terms/inertia.py.

@@ -225,9 +225,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
         if rejected:
             remedy = "name one of these, or `auto`"
         elif folder := os.environ.get("OCL_ICD_VENDORS"):
-            remedy = (
-                f"drivers are sought where OCL_ICD_VENDORS={folder} says: unset it"
-            )
+            remedy = f"drivers are sought where OCL_ICD_VENDORS={folder} says: unset it"
         raise InputError(
             f"no OpenCL device with double precision matches {wanted!r}; devices found: "
             f"{'; '.join(rejected) or 'none at all'}; {remedy}"

@@ -99,9 +99,9 @@ def check_study(config: Study) -> Study:
     with prefix_errors(config.path):
         check_pad_fits(config.read_pad(), config.actuator.surface)
         if path := config.scan_path:
-            from squeezefilm.film.measured.smooth import checked_scan_of_file
+            from squeezefilm.film.measured.placement import read_scan_on_surface
 
-            checked_scan_of_file(path, **config.smoothing_arguments)
+            read_scan_on_surface(path, **config.smoothing_arguments)
         profile = config.profile_for_planning()
     if config.measurements:
         measured_force_table(config, profile=profile)

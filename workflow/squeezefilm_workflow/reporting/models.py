@@ -131,15 +131,13 @@ def _parameters_with_intervals(
     """Return the parameters of fits with their intervals; missing where an end is open."""
     plan = results.folder / f"simulations/{'screen' if space == 'two_factor' else space}"
     forces, rows = read_ok_forces(plan / "forces.csv"), []
-    factors, force_n = (
-        factors_of_table(forces, limits=plan / "limits.csv"),
-        forces["force_n"].to_numpy(),
-    )
+    factors = factors_of_table(forces, limits=plan / "limits.csv")
+    force_n = forces["force_n"].to_numpy()
     for fit in fits:
         if 0 < len(fit.theta) < len(factors):
             theta = local_fit_theta(fit.force_model, factors, force_n, fit.theta)
-            found = parameter_ranges(fit.force_model, factors, force_n, theta)
-            rows += [{"model": fit.model} | each.to_dict() for each in found]
+            ranges = parameter_ranges(fit.force_model, factors, force_n, theta)
+            rows += [{"model": fit.model} | each.to_dict() for each in ranges]
     table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
     table["unit"] = table["unit"].str.replace("**", "^")
     return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
@@ -156,10 +154,8 @@ def compare_candidates(results: Results, space: str) -> tuple[pd.DataFrame, pd.D
     half = ranking_points_mask(len(sample))
     known = half & (sample["status"] == "ok").to_numpy()
     factors, forces = factors.take(known), sample[known].reset_index(drop=True)
-    scenes, no_force = (
-        forces[columns_in_table_form(SCENE_COLUMNS, forces)],
-        int(half.sum() - known.sum()),
-    )
+    scenes = forces[columns_in_table_form(SCENE_COLUMNS, forces)]
+    no_force = int(half.sum() - known.sum())
     rows, errors = [], [scenes.iloc[:0].assign(model="", relative_error=np.nan)]
     for name in results.config.comparison.names_of_space(space):
         path = results.candidate_fit_file(space, name)
@@ -290,10 +286,10 @@ def _recommendation_rows(
     if space == "two_factor":  # the centre alone: models know no other
         positions = pd.DataFrame([dict.fromkeys(find_position_columns(every), 0.0)])
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
-        place = {str(name): float(value) for name, value in row.items()}
-        at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **place)
-        found = amplitude_row(fit, at, force_n=target.force_n)
-        yield {**about, "h0_m": target.h0_m, **place, **found}
+        position = {str(name): float(value) for name, value in row.items()}
+        at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **position)
+        amplitude = amplitude_row(fit, at, force_n=target.force_n)
+        yield {**about, "h0_m": target.h0_m, **position, **amplitude}
 
 
 def refine_page(results: Results, *, space: str) -> Page:

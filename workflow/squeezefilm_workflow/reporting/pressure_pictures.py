@@ -57,8 +57,7 @@ def read_pressure_field(path: Path | str) -> Dataset:
         if name not in field or field[name].dims != FIELD_DIMENSION_NAMES:
             raise InputError(
                 f"{path}: no {name} over {', '.join(FIELD_DIMENSION_NAMES)}, as `squeezefilm "
-                f"pressure` "
-                f"writes it"
+                "pressure` writes it"
             )
     if missing := {"h0_m", "hv_m", "frequency_hz"} - set(field.attrs):
         raise InputError(f"{path}: the attribute {min(missing)} is missing")

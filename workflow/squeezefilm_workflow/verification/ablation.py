@@ -84,8 +84,8 @@ def ablation_table(
     rows = []
     for tolerance, (re_enabled, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        found, (_, cpu_s, _) = measure_call_times(call, repeats=repeats, long_seconds=np.inf)
-        error, stated = np.abs(found.force_n - exact), found.force_error_n
+        forces, (_, cpu_s, _) = measure_call_times(call, repeats=repeats, long_seconds=np.inf)
+        error, stated = np.abs(forces.force_n - exact), forces.force_error_n
         row = {
             "re_enabled": re_enabled,
             "tolerance": tolerance,
@@ -137,10 +137,8 @@ def _solve_on_common_grids(
         solve_batch(scenes, grid, tolerance=ITERATION_ERROR_FRACTION * tolerance, device=device)
         for grid in COMMON_GRIDS
     )
-    scale, stated = (
-        Scenes.of(scenes).force_scale_n,
-        2 * np.abs(fine.mean_pressure_ratio - coarse.mean_pressure_ratio),
-    )
+    scale = Scenes.of(scenes).force_scale_n
+    stated = 2 * np.abs(fine.mean_pressure_ratio - coarse.mean_pressure_ratio)
     return StatedForces(
         scale * fine.mean_pressure_ratio, scale * (stated + fine.result_rows["residual"])
     )

@@ -18,7 +18,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import pi, sqrt
-from typing import Literal
+from typing import Literal, Self
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -235,6 +235,16 @@ class Effects:
     edge_loss_coefficient: float = 0.0
     edge_flow: bool = False
 
+    @classmethod
+    def of_scene(cls, scene: Scene) -> Self:
+        """The effects that the solver's equation has for a scene without a flow factor."""
+        gas = scene.gas
+        return cls(
+            inertia=gas.inertia == "included",
+            thermal=gas.thermal == "included",
+            slip="first-order" if gas.rarefaction == "slip" else "none",
+        )
+
 
 @dataclass(frozen=True)
 class FilmOnPoints:
@@ -283,10 +293,7 @@ class FilmOnPoints:
         scene = self.scene
         per_velocity = scene.sigma * scene.h0_m / scene.pad.length_x_m * self.effects.edge_flow
         inertance = scene.modified_reynolds * float(edge_inertance(scene))
-        return {
-            "resistance": per_velocity * EDGE_RESISTANCE,
-            "inertance": per_velocity * inertance,
-        }
+        return {"resistance": per_velocity * EDGE_RESISTANCE, "inertance": per_velocity * inertance}
 
     def slip_length(self, mass: np.ndarray) -> np.ndarray:
         """Return the slip length times the density over h0, for P H."""

@@ -26,7 +26,6 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.models.prediction_interval import NORMAL_QUANTILES, PROFILE_UNCERTAINTY_LEVEL
 from squeezefilm.quantities.model_error import ErrorBudget
-from squeezefilm.reynolds import solve
 from squeezefilm.studies.space import space_of_study, table_of_points
 from squeezefilm_workflow.verification.reference import reference_force
 
@@ -142,8 +141,7 @@ def forces_and_errors(
     scenes: Sequence[Scene], study: Study, *, tolerance: float | None = None
 ) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
-    settings = study.solver(tolerance=tolerance, outputs=())
-    solutions = solve(settings.with_auto_terms_decided(scenes), **settings.solve_arguments)
+    solutions = study.solver(tolerance=tolerance, outputs=()).solve(scenes)
     return np.array([solutions.force_n, solutions.force_error_n])
 
 
@@ -173,10 +171,8 @@ def _direct_force_and_derivative(scene: Scene, name: str, study: Study) -> np.nd
     )
     narrow, wide = (values[3] - values[1]) / 2, (values[4] - values[0]) / 4
     noise = (8 * (errors[1] + errors[3]) + errors[0] + errors[4]) / 12
-    slope, off = (
-        (4 * narrow - wide) / 3,
-        noise + (4 * RELATIVE_DIFFERENCE_STEP) ** 2 * abs(wide - narrow),
-    )
+    slope = (4 * narrow - wide) / 3
+    off = noise + (4 * RELATIVE_DIFFERENCE_STEP) ** 2 * abs(wide - narrow)
     return np.array(
         [
             values[2],
@@ -267,10 +263,8 @@ def _neglected_effects(
 
 def _compare_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
     """Gap, stiffness and modelling error under a load."""
-    settings = study.solver()
-    how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
     try:
-        levitation = levitate(scene, load_n=load_n, **how)
+        levitation = levitate(scene, load_n=load_n, **study.solver().levitation_arguments)
     except (InputError, RunError):
         return
     scene, h0_m, stiffness = levitation.scene, levitation.scene.h0_m, levitation.stiffness_n_per_m
@@ -358,10 +352,8 @@ def compare_coverage(
     for name in models:
         try:
             fit = study.fit(name)
-            interval, centred = (
-                fit.model.prediction_interval,
-                fit.model.force_model.is_for_centred_pad,
-            )
+            interval = fit.model.prediction_interval
+            centred = fit.model.force_model.is_for_centred_pad
             if interval is None or interval.error_95 is None:
                 continue
             points, (force_n, error_n) = simulated_forces(centred)

@@ -275,10 +275,8 @@ class InertiaLayer:
         mass, xi = self.layer_mass(stream), self.half_line.xi[:, None]
         psi = float(mass[-1].mean())
         d = float(self.half_line.weights @ np.mean((mass - psi) / self.gap, axis=1))
-        flux, sine = (
-            -stream @ self.time_derivative.T,
-            np.sin(cached_time_axis(self.instant_count).nodes),
-        )
+        flux = -stream @ self.time_derivative.T
+        sine = np.sin(cached_time_axis(self.instant_count).nodes)
         # Far inside the core's own flux goes on: −ψ (A ∂ψ/∂n − ψ B ∂a/∂n).
         rates = np.diag(1 / self.gap) + self.reynolds / 10 * psi * self.time_derivative
         mobility = np.linalg.solve(rates, np.ones(self.instant_count))
@@ -298,11 +296,9 @@ class InertiaLayer:
 
     def _residual(self, stream: np.ndarray) -> np.ndarray:
         """On all nodes but the last, where X = 0; on the edge w − H."""
-        mass, flux, rate = (
-            self.layer_mass(stream),
-            -stream @ self.time_derivative.T,
-            self.time_derivative,
-        )
+        mass = self.layer_mass(stream)
+        flux = -stream @ self.time_derivative.T
+        rate = self.time_derivative
         slope = self.second_derivative_matrix @ stream
         inertia = (
             mass * (flux @ rate.T)
@@ -315,11 +311,9 @@ class InertiaLayer:
 
     def _linear_coefficients(self, stream: np.ndarray) -> tuple[np.ndarray, ...]:
         """Coefficients of w, ∂w/∂ξ, ∂w/∂T, q and ∂q/∂T in the linear equation."""
-        mass, flux, rate = (
-            self.layer_mass(stream),
-            -stream @ self.time_derivative.T,
-            self.time_derivative,
-        )
+        mass = self.layer_mass(stream)
+        flux = -stream @ self.time_derivative.T
+        rate = self.time_derivative
         slope, weight = self.second_derivative_matrix @ stream, self.reynolds / 10 * self.gap
         return (
             weight * (flux @ rate.T + 9 / 7 * (flux / mass) ** 2 * slope) + self.gap * slope,
@@ -344,10 +338,8 @@ class InertiaLayer:
     def _jacobian(self, stream: np.ndarray) -> np.ndarray:
         """Jacobian for X on all nodes but the last; the rows of the edge come first."""
         rate, count = self.time_derivative, NODE_COUNT_WITH_INERTIA + 1
-        first, second = (
-            self.half_line.derivative_matrix[:-1, :-1],
-            self.second_derivative_matrix[:-1, :-1],
-        )
+        first = self.half_line.derivative_matrix[:-1, :-1]
+        second = self.second_derivative_matrix[:-1, :-1]
         of_mass, of_slope, of_mass_rate, of_flux, of_flux_rate = (
             coefficient[:-1] for coefficient in self._linear_coefficients(stream)
         )

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,6 @@ import pandas as pd
 
 from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import write_text
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.parallel import track_progress
 from squeezefilm.reynolds import error_estimate, solve
@@ -21,7 +20,7 @@ from squeezefilm.reynolds.periodic import refinement, resolution
 from squeezefilm.reynolds.periodic.launch import RESULT_DTYPE
 from squeezefilm.reynolds.periodic.resolution import min_convergence_ratio
 from squeezefilm.reynolds.terms import distinct_term_sets
-from squeezefilm_workflow.verification.origin import origin_comment_lines
+from squeezefilm_workflow.verification.origin import write_with_origin
 from squeezefilm_workflow.verification.random_films import (
     TOLERANCE_PERCENTAGES,
     RandomFilm,
@@ -38,15 +37,15 @@ QUANTILES = (0.5, 0.9, 0.99, 0.999)
 ESTIMATE_OUTCOMES = ("within", "outside", "no force", "no direct solution")
 RANDOM_FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
 # Guards of the error estimate, and the value with which each changes nothing.
-ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, str, float]] = {
-    "CHANGE_SIZE_FRACTION": (error_estimate, "CHANGE_SIZE_FRACTION", 0.0),
-    "RATIO_SAFETY_FACTOR": (error_estimate, "RATIO_SAFETY_FACTOR", 1.0),
-    "DEFAULT_CONVERGENCE_RATIO": (error_estimate, "DEFAULT_CONVERGENCE_RATIO", 0.0),
-    "THIN_LAYER_CONVERGENCE_RATIO": (resolution, "THIN_LAYER_CONVERGENCE_RATIO", 0.0),
-    "ERRATIC_CONVERGENCE_SIGMA": (resolution, "ERRATIC_CONVERGENCE_SIGMA", float("inf")),
-    "VELOCITY_CHANGE_SIZE_FRACTION": (error_estimate, "VELOCITY_CHANGE_SIZE_FRACTION", 0.0),
-    "RESOLVED_MODES_FRACTION": (error_estimate, "RESOLVED_MODES_FRACTION", 0.0),
-    "UNRESOLVED_CHANGE_FRACTION": (error_estimate, "UNRESOLVED_CHANGE_FRACTION", 0.0),
+ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, float]] = {
+    "CHANGE_SIZE_FRACTION": (error_estimate, 0.0),
+    "RATIO_SAFETY_FACTOR": (error_estimate, 1.0),
+    "DEFAULT_CONVERGENCE_RATIO": (error_estimate, 0.0),
+    "THIN_LAYER_CONVERGENCE_RATIO": (resolution, 0.0),
+    "ERRATIC_CONVERGENCE_SIGMA": (resolution, float("inf")),
+    "VELOCITY_CHANGE_SIZE_FRACTION": (error_estimate, 0.0),
+    "RESOLVED_MODES_FRACTION": (error_estimate, 0.0),
+    "UNRESOLVED_CHANGE_FRACTION": (error_estimate, 0.0),
 }
 
 
@@ -86,8 +85,8 @@ def estimates(options: argparse.Namespace) -> None:
     table = with_outcomes(table[table["film"].isin(numbers)])
     shown = outcome_summary(table)
     call = f"estimates --films {options.films} --seed {options.seed} --output FORCES.csv"
-    head = origin_comment_lines(f"{call} --summary {Path(options.summary).name}")
-    write_text(head + shown.to_csv(index=False), options.summary)
+    call += f" --summary {Path(options.summary).name}"
+    write_with_origin(shown, options.summary, command=call)
     print(shown.to_string(index=False))
     outside = table.loc[table["outcome"] == "outside", "film"].unique()
     if len(outside):
@@ -148,12 +147,8 @@ def direct_tolerance(tolerance: float) -> float:
     return float(f"{max(DIRECT_TOLERANCE_RATIO * tolerance, MIN_DIRECT_TOLERANCE):.0e}")
 
 
-def direct_pressures_and_errors(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
-    """Mean gauge pressures over p0 and their errors far within a tolerance, (n, 2)."""
-    return _gauge_pressures_and_errors(scenes, direct_tolerance(tolerance))
-
-
 def _gauge_pressures_and_errors(scenes: Sequence[Scene], tolerance: float) -> np.ndarray:
+    """Mean gauge pressures over p0 and their errors, (n, 2)."""
     solved = solve(scenes, tolerance=tolerance, method="periodic")
     scale_n = np.array([scene.force_scale_n for scene in scenes])
     return np.stack([solved.force_n, solved.force_error_n], axis=-1) / scale_n[:, None]
@@ -210,26 +205,22 @@ def outcome_summary(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for name, part in parts:
         ratios, counts = part["error_over_estimate"], part["outcome"].value_counts()
-        quantiles = {f"{100 * q:g} %": f"{ratios.quantile(q):.2g}" for q in QUANTILES}
-        worst = {"largest error over estimate": f"{ratios.max():.2g}"}
         rows.append(
             {
                 "forces": name,
                 "films": part["film"].nunique(),
                 **{outcome: counts.get(outcome, 0) for outcome in ESTIMATE_OUTCOMES},
-                **quantiles,
-                **worst,
+                **{f"{100 * q:g} %": f"{ratios.quantile(q):.2g}" for q in QUANTILES},
+                "largest error over estimate": f"{ratios.max():.2g}",
             }
         )
     return pd.DataFrame(rows)
 
 
-@contextmanager
-def guard_switched_off(guard: str) -> Iterator[None]:
-    """Switch one of ERROR_ESTIMATE_GUARDS off."""
-    owner, name, off = ERROR_ESTIMATE_GUARDS[guard]
-    with patch.object(owner, name, off):
-        yield
+def guard_switched_off(guard: str) -> AbstractContextManager[Any]:
+    """A context in which one of ERROR_ESTIMATE_GUARDS is switched off."""
+    owner, off = ERROR_ESTIMATE_GUARDS[guard]
+    return patch.object(owner, guard, off)
 
 
 @dataclass(frozen=True)
@@ -336,12 +327,9 @@ def guards(options: argparse.Namespace) -> None:
                 "films outside": " ".join(map(str, numbers[:5])),
             }
         )
-    call = "guards --forces FORCES.csv --grids GRIDS.csv"
     table = pd.DataFrame(rows)
-    write_text(
-        origin_comment_lines(f"{call} --output {options.output}") + table.to_csv(index=False),
-        options.output,
-    )
+    call = f"guards --forces FORCES.csv --grids GRIDS.csv --output {options.output}"
+    write_with_origin(table, options.output, command=call)
     print(table.to_string(index=False))
 
 
@@ -354,12 +342,12 @@ def stored_films(options: argparse.Namespace) -> None:
     Each force is written as soon as it is known.
     """
     table = read_stored_films(options.output)
-    head = origin_comment_lines(f"stored-films --output {options.output}")
     for index, row in table[table["force"].isna()].iterrows():
         film = film_of_row(row)
-        ((force, error),) = direct_pressures_and_errors([film.scene], tolerance=film.tolerance)
+        tolerance = direct_tolerance(film.tolerance)
+        ((force, error),) = _gauge_pressures_and_errors([film.scene], tolerance)
         table.loc[index, ["force", "force_error"]] = float(f"{force:.9g}"), float(f"{error:.2g}")
-        write_text(head + table.to_csv(index=False), options.output)
+        write_with_origin(table, options.output, command=f"stored-films --output {options.output}")
 
 
 def read_stored_films(path: Path) -> pd.DataFrame:

@@ -3,9 +3,11 @@
 Among them the stiff and extreme ones, in groups, and which of these need not be supported.
 """
 
+import csv
 from dataclasses import replace
 from itertools import product
 from math import pi
+from pathlib import Path
 from typing import Any
 
 from squeezefilm.film.pad import UNIFORM_GAP, GapShape, Pad, PadShape
@@ -89,13 +91,18 @@ def gap_shape(tilt_x: float = 0.0, tilt_y: float = 0.0, crown: float = 0.0) -> G
     return GapShape(tilt_x * MEAN_GAP_M, tilt_y * MEAN_GAP_M, crown * MEAN_GAP_M)
 
 
+# As measurements give it: the sinc with bumps of some millimetres, a tenth of it high.
+_BUMPS_FORMULA = "cos(2900*x+1100*y+1)+cos(2100*x-1700*y+2)+cos(900*x+2800*y+4)+cos(1900*x-2300*y)"
+PROFILE_OF_NAME: dict[str, Profile] = {
+    "": SINC_PROFILE,
+    "piston": PISTON_PROFILE,
+    "node": Sinc(280.0),
+    "rough": Formula(f"sinc(109.8*r)*(1+0.07*({_BUMPS_FORMULA}))/1.2", surface=Disc(0.015)),
+    "travelling": travelling_wave_profile(),
+    "short travelling": travelling_wave_profile(0.7, 30.0),
+}
 # Where waves steepen so much that no grid or no step of Newton's method may be enough.
 MAX_EPSILON_TIMES_REYNOLDS = 2.0
-GAP_TILTED_IN_X, GAP_TILTED_IN_Y, CROWNED_GAP = (
-    gap_shape(tilt_x=0.4),
-    gap_shape(tilt_y=0.4),
-    gap_shape(crown=0.3),
-)
 # ε and Re of films with inertia, the last beyond what is documented: such a film costs the most.
 EPSILON_REYNOLDS_PAIRS = (0.1, 0.5), (0.5, 0.5), (0.9, 0.5), (0.1, 5.0), (0.5, 50.0)
 SHAPE_OF_PAD_NAME: dict[str, PadShape] = {"disc": "ellipse", "square": "rectangle"}
@@ -116,34 +123,35 @@ def cases_with_groups() -> list[tuple[str, Scene]]:
         "piston": _films_of_epsilon_and_sigma(
             "piston", (1e-3, 20.0, 1e5, 1e7), (1e-3, 0.5, 0.9), profile=PISTON_PROFILE
         ),
-        "sliding": [
-            film_scene(f"sliding, Λ = {bearing:g}, σ = {sigma:g}", 0.4, sigma, bearing)
-            for bearing, sigma in (
-                *((1.0, 583.0), (100.0, 1.0), (100.0, 583.0)),
-                *((1e3, 583.0), (1e3, 1e5), (1e4, 583.0)),
-            )
-        ],
-        "shape, gas, frequency": FILMS_WITH_OTHER_PROFILES,
+        "sliding": listed_films("sliding"),
+        "shape, gas, frequency": listed_films("shape, gas, frequency"),
         "inertia": [
             film_scene(f"inertia, Re = {re:g}, σ = {sigma:g}, ε = {eps:g}", eps, sigma, reynolds=re)
             for sigma, (eps, re) in product((1.0, 20.0, 583.0, 1e5), EPSILON_REYNOLDS_PAIRS)
         ],
-        "any gap, ellipse": [
-            *(
-                film_scene(f"{kind}, σ = {sigma:g}", sigma=sigma, **numbers)
-                for (kind, numbers), sigma in product(
-                    NONUNIFORM_GAP_ARGUMENTS.items(), (1.0, 20.0, 2331.0, 1e5)
-                )
-                if "shape" not in numbers or sigma < 1e5
-            ),
-            *NONUNIFORM_GAP_FILMS,
-        ],
+        "any gap, ellipse": listed_films("any gap, ellipse"),
         "inertia and thermal effects": [
             *films_with_effects("disc"),
             *films_with_effects("square", REYNOLDS_GRID_VALUES[:2], EPSILON_GRID_VALUES[:2]),
         ],
     }
     return [(group, scene) for group, scenes in groups.items() for scene in scenes]
+
+
+def listed_films(group: str) -> list[Scene]:
+    """The films of a group in films.csv, whose columns are arguments of ``film_scene``."""
+    text = Path(__file__).with_name("films.csv").read_text(encoding="utf-8")
+    films = []
+    for row in csv.DictReader(text.splitlines()):
+        name, profile, shape = row.pop("name"), row.pop("profile"), row.pop("shape")
+        if row.pop("group") == group:
+            numbers: dict[str, Any] = {key: float(cell) for key, cell in row.items() if cell}
+            numbers["thermal"] = "thermal" in numbers
+            tilts_and_crown = (numbers.pop(key, 0.0) for key in ("tilt_x", "tilt_y", "crown"))
+            how: dict[str, Any] = {"shape": shape} if shape else {}
+            how |= {"profile": PROFILE_OF_NAME[profile], "gap": gap_shape(*tilts_and_crown)}
+            films.append(film_scene(name, **numbers, **how))
+    return films
 
 
 def films_with_effects(
@@ -192,74 +200,3 @@ def _films_of_epsilon_and_sigma(
         film_scene(f"{kind}, σ = {s:g}, ε = {eps:g}", eps, s, **numbers)
         for s, eps in product(sigma, epsilon)
     ]
-
-
-_TRAVELLING_WAVE_PROFILE = travelling_wave_profile()
-# As measurements give it: the sinc with bumps of some millimetres, a tenth of it high.
-_BUMPS_FORMULA = "cos(2900*x+1100*y+1)+cos(2100*x-1700*y+2)+cos(900*x+2800*y+4)+cos(1900*x-2300*y)"
-ROUGH_PROFILE = Formula(f"sinc(109.8*r)*(1+0.07*({_BUMPS_FORMULA}))/1.2", surface=Disc(0.015))
-FILMS_WITH_OTHER_PROFILES = (
-    film_scene("node of the profile under the pad", 0.5, 583.0, profile=Sinc(280.0)),
-    film_scene("rough measured profile", 0.4, 583.0, profile=ROUGH_PROFILE),
-    film_scene("off centre, at the rim of the disc", 0.4, 2331.0, x=0.293),
-    film_scene("off centre, diagonal", 0.4, 2331.0, x=0.2051, y=0.2051),
-    film_scene("off centre, small amplitude", 1e-3, 583.0, x=0.2, y=0.1),
-    film_scene("very thin pad, 1 : 100", 1e-3, 20.0, profile=PISTON_PROFILE, aspect=100.0),
-    film_scene("very thin pad, 100 : 1", 1e-3, 2e5, profile=PISTON_PROFILE, aspect=0.01),
-    film_scene("1 Hz", 0.4, 0.054),
-    film_scene("1 GHz", 0.4, 5.4e7),
-    film_scene("rarefied gas, Kn = 0.0134", 0.44, 1e6, knudsen=0.0134),
-    film_scene("rarefied gas, Kn = 0.1", 0.44, 1e6, knudsen=0.1),
-    film_scene("contact", 1.0, 583.0),
-)
-NONUNIFORM_GAP_ARGUMENTS: dict[str, dict[str, Any]] = {
-    "travelling wave": {"epsilon": 0.5, "profile": _TRAVELLING_WAVE_PROFILE},
-    "short wave travelling across": {"epsilon": 0.5, "profile": travelling_wave_profile(0.7, 30.0)},
-    "tilted": {"epsilon": 0.5, "gap": GAP_TILTED_IN_X},
-    "bulging": {"epsilon": 0.5, "gap": CROWNED_GAP},
-    "hollow, tilted both ways": {"epsilon": 0.3, "gap": gap_shape(0.3, 0.2, -0.1)},
-    "ellipse": {"epsilon": 0.5, "shape": "ellipse", "aspect": 0.7},
-}
-NONUNIFORM_GAP_FILMS = (
-    film_scene("travelling wave, ε = 0.95", 0.95, 583.0, profile=_TRAVELLING_WAVE_PROFILE),
-    film_scene("travelling wave, ε = 0.001", 1e-3, 583.0, profile=_TRAVELLING_WAVE_PROFILE),
-    film_scene("travelling wave, σ = 1e7", 0.5, 1e7, profile=_TRAVELLING_WAVE_PROFILE),
-    film_scene("tilted, a fifth of the gap left", 0.15, 583.0, gap=gap_shape(1.6)),
-    film_scene(
-        "tilted, 90 % of the gap closed",
-        0.9 * 0.8,
-        583.0,
-        profile=PISTON_PROFILE,
-        gap=GAP_TILTED_IN_X,
-    ),
-    film_scene(
-        "tilted at the rim of the disc", 0.4, 2331.0, x=0.2051, y=0.2051, gap=GAP_TILTED_IN_X
-    ),
-    film_scene(
-        "tilted under a travelling wave",
-        0.4,
-        2331.0,
-        profile=_TRAVELLING_WAVE_PROFILE,
-        gap=gap_shape(0.3, 0.3),
-    ),
-    film_scene("tilted, sliding, Λ = 30", 0.4, 583.0, 30.0, gap=GAP_TILTED_IN_X),
-    film_scene("bulging, rarefied gas, Kn = 0.05", 0.4, 583.0, knudsen=0.05, gap=CROWNED_GAP),
-    film_scene(
-        "thin pad 1 : 20, tilted along",
-        0.01,
-        20.0,
-        profile=PISTON_PROFILE,
-        aspect=20.0,
-        gap=GAP_TILTED_IN_Y,
-    ),
-    film_scene(
-        "travelling wave, inertia, Re = 0.5",
-        0.5,
-        583.0,
-        profile=_TRAVELLING_WAVE_PROFILE,
-        reynolds=0.5,
-    ),
-    film_scene("tilted, inertia, Re = 0.5", 0.4, 583.0, reynolds=0.5, gap=GAP_TILTED_IN_X),
-    film_scene("ellipse, tilted", 0.3, 200.0, shape="ellipse", gap=GAP_TILTED_IN_X),
-    film_scene("tilted until it touches", 0.5, 583.0, gap=gap_shape(1.7)),
-)

@@ -31,7 +31,7 @@ from squeezefilm_workflow.verification.all_effects import (
     grid_sizes_of_scene,
     is_axisymmetric,
 )
-from squeezefilm_workflow.verification.films import MAX_EPSILON_TIMES_REYNOLDS
+from squeezefilm_workflow.verification.films import waves_steepen
 from squeezefilm_workflow.verification.random_films import log_uniform
 
 # Ranges of Re, σ, ε, h0 in m and, of a sliding pad, its speed in m/s.
@@ -122,7 +122,7 @@ def auto_terms_row(seed: int) -> dict[str, Any]:
     row = _film_row(seed, film.point_id, scene)
     if unsupported_auto_term_texts(film):
         return row | {"outcome": "not supported"}
-    own = _effects_of_scene(scene)
+    own = Effects.of_scene(scene)
     both = replace(own, inertia=True, thermal=True)
     if both == own:
         return row | {"neglected_by_auto_percent": 0.0, "outcome": "nothing neglected"}
@@ -199,7 +199,7 @@ def interval_bounds_percent(budget: ErrorBudget) -> tuple[float, float]:
 
 def force_changes_percent(scene: Scene, effects: Sequence[Effects]) -> list[tuple[float, float]]:
     """Return changes of a scene's force in % by some sets of effects, and their errors."""
-    every = [_effects_of_scene(scene), *effects]
+    every = [Effects.of_scene(scene), *effects]
     changes = []
     for points, instants in grid_sizes_of_scene(scene):
         forces_n = forces_on_grid(scene, every, points=points, instants=instants)
@@ -207,22 +207,16 @@ def force_changes_percent(scene: Scene, effects: Sequence[Effects]) -> list[tupl
     return list(zip(changes[0].tolist(), abs(changes[0] - changes[1]).tolist(), strict=True))
 
 
-def _effects_of_scene(scene: Scene) -> Effects:
-    return Effects(
-        inertia=scene.gas.inertia == "included",
-        thermal=scene.gas.thermal == "included",
-        slip="first-order" if scene.gas.rarefaction == "slip" else "none",
-    )
-
-
 def random_scene(seed: int, *, reynolds: tuple[float, float] = REYNOLDS_RANGE) -> Scene:
     """Return the film of a seed, within the limits of validity."""
     random = np.random.default_rng(seed)
     while True:
         scene = _draw_scene(random, reynolds)
-        steep = scene.epsilon * scene.modified_reynolds > MAX_EPSILON_TIMES_REYNOLDS
         term = "included" if scene.gas.inertia == "auto" else "none"
-        if not steep and validity_text(scene.with_gas(inertia=term, thermal=term)) == "ok":
+        if (
+            not waves_steepen(scene)
+            and validity_text(scene.with_gas(inertia=term, thermal=term)) == "ok"
+        ):
             return scene
 
 

@@ -66,10 +66,8 @@ class CollocatedFilm:
         self.sigma, self.bearing = scene.sigma, scene.bearing_number
         self.knudsen, self.aspect = scene.slip_knudsen, scene.aspect
         inside = slice(1, -1)
-        x_second, y_second = (
-            self.x.second_derivative_matrix,
-            self.y.second_derivative_matrix / self.aspect**2,
-        )
+        x_second = self.x.second_derivative_matrix
+        y_second = self.y.second_derivative_matrix / self.aspect**2
         self.x_second, self.y_second = x_second[inside, inside], y_second[inside, inside]
         self.x_first = self.x.derivative_matrix[inside, inside]
         self.area = np.outer(self.x.weights[inside], self.y.weights[inside])
@@ -98,10 +96,8 @@ class CollocatedFilm:
 
     def preconditioner(self, p: FloatArray) -> LinearMap:
         """The inverse of the mean diffusion and the rate."""
-        (x_values, x_modes, x_inverse), (y_values, y_modes, y_inverse) = (
-            self.x.second_derivative_modes,
-            self.y.second_derivative_modes,
-        )
+        x_values, x_modes, x_inverse = self.x.second_derivative_modes
+        y_values, y_modes, y_inverse = self.y.second_derivative_modes
         mean = np.mean(self.gap**2 * (1 + p) + 6 * self.knudsen * self.gap)
         laplacian = np.add.outer(x_values, y_values / self.aspect**2)
         symbol = mean * laplacian[:, :, None] - self.sigma * self.i_k

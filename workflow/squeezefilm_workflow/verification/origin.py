@@ -2,13 +2,17 @@
 
 import os
 from datetime import UTC, datetime
+from pathlib import Path
 
+import pandas as pd
+
+from squeezefilm.files import write_text
 from squeezefilm.provenance import provenance_record
 from squeezefilm.reynolds.device import choose_device
 
 
-def origin_comment_lines(command: str) -> str:
-    """Return the command, commit, machine and date as lines that stand above a table."""
+def write_with_origin(table: pd.DataFrame, path: Path | str, *, command: str) -> None:
+    """Write a table below lines with the command, the commit, the machine and the date."""
     now = datetime.now(UTC)
     lines = {
         "command": f"squeezefilm-verification {command}",
@@ -16,4 +20,5 @@ def origin_comment_lines(command: str) -> str:
         "machine": f"{choose_device().name}, {os.cpu_count()} cores",
         "date": f"{now.day} {now:%B %Y}",
     }
-    return "".join(f"# {key}: {value}\n" for key, value in lines.items())
+    head = "".join(f"# {key}: {value}\n" for key, value in lines.items())
+    write_text(head + table.to_csv(index=False), path)

@@ -27,7 +27,12 @@ import numpy as np
 from squeezefilm.film.profiles import Formula, ModeSum, Profile, largest_magnitude
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.surfaces import Disc
-from squeezefilm_workflow.verification.films import PAD_LENGTH_M, film_scene, gap_shape
+from squeezefilm_workflow.verification.films import (
+    MAX_EPSILON_TIMES_REYNOLDS,
+    PAD_LENGTH_M,
+    film_scene,
+    gap_shape,
+)
 
 SURFACE_DISC = Disc(0.012)
 # Probabilities in per cent.
@@ -49,7 +54,7 @@ PROFILE_PERCENTAGES = {
     "narrow": 20,
 }
 EPSILON_RANGE, SIGMA_RANGE, BEARING_RANGE = (0.01, 0.98), (0.1, 1e6), (0.1, 300.0)
-REYNOLDS_RANGE, MAX_EPSILON_TIMES_REYNOLDS = (0.05, 5.0), 2.0
+REYNOLDS_RANGE = (0.05, 5.0)
 KNUDSEN_RANGE, ASPECT_RANGE = (1e-3, 0.1), (0.5, 1.0)
 CENTRED_PROBABILITY, MAX_OFF_CENTRE_FRACTION = 0.25, 0.3
 RANGES_OF_GROUP = {

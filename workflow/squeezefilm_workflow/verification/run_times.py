@@ -15,7 +15,6 @@ import pandas as pd
 from squeezefilm import load
 from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError
-from squeezefilm.files import write_text
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.parallel import print_step
@@ -25,7 +24,7 @@ from squeezefilm.reynolds.terms import terms_label, terms_of
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import space_of_study
 from squeezefilm_workflow.verification.films import PISTON_PROFILE, SHAPE_OF_PAD_NAME
-from squeezefilm_workflow.verification.origin import origin_comment_lines
+from squeezefilm_workflow.verification.origin import write_with_origin
 from squeezefilm_workflow.verification.work_precision import (
     TIMED_FILMS,
     measure_call_times,
@@ -38,17 +37,9 @@ RESOURCES_LINE_PATTERN = re.compile(
 )
 """The last line of a job's log, which `scripts/job.py` writes."""
 ONE_FORCE_ARGUMENTS = (
-    "-m",
-    "squeezefilm",
-    "simulate",
-    "--config",
-    PAPER_CONFIG_PATH,
-    "--h0",
-    "5um",
-    "--hv",
-    "2.2um",
+    f"-m squeezefilm simulate --config {PAPER_CONFIG_PATH} --h0 5um --hv 2.2um".split()
 )
-SNAKEMAKE_DRY_RUN_ARGUMENTS = ("-m", "snakemake", "-n", "--quiet", "all")
+SNAKEMAKE_DRY_RUN_ARGUMENTS = ["-m", "snakemake", "-n", "--quiet", "all"]
 OPENCL_CONTEXT_CODE = "import pyopencl; pyopencl.create_some_context(interactive=False)"
 TIMED_PYTHON_CODES = ("pass", "import numpy", OPENCL_CONTEXT_CODE)
 SCENES_AND_REPEATS = ((1, 300), (10_000, 5))
@@ -63,9 +54,7 @@ TIMING_ROUNDS = 9
 """Of the processes, one after the other; the first warms up, of the others the median counts."""
 
 
-@command(
-    option("--output", "FOLDER", "for the tables", required=True, type=Path),
-)
+@command(option("--output", "FOLDER", "for the tables", required=True, type=Path))
 def run_times(options: argparse.Namespace) -> None:
     """Measure run times on this machine: six tables.
 
@@ -78,7 +67,6 @@ def run_times(options: argparse.Namespace) -> None:
     methods, and how often the solver's is in it where its error is no larger. Nothing else should
     run meanwhile.
     """
-    head = origin_comment_lines("run-times --output docs/data")
     for measured in (
         *(paper_run_times, one_force_times, batch_times, times_by_term),
         *(equal_error_times, equal_error_times_with_effects),
@@ -86,7 +74,8 @@ def run_times(options: argparse.Namespace) -> None:
         print_step(f"{measured.__name__}: measuring")
         table = measured()
         print(table.to_string(index=False))
-        write_text(head + table.to_csv(index=False), options.output / f"{measured.__name__}.csv")
+        path = options.output / f"{measured.__name__}.csv"
+        write_with_origin(table, path, command="run-times --output docs/data")
 
 
 def paper_run_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
@@ -120,7 +109,7 @@ def one_force_times() -> pd.DataFrame:
         python_alone,
         with_numpy,
         with_device,
-        (*ONE_FORCE_ARGUMENTS, "--help"),
+        [*ONE_FORCE_ARGUMENTS, "--help"],
         ONE_FORCE_ARGUMENTS,
         SNAKEMAKE_DRY_RUN_ARGUMENTS,
     )

@@ -21,7 +21,6 @@ import pandas as pd
 
 from squeezefilm.cli.options import command, option
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import write_text
 from squeezefilm.film.scene import Scene
 from squeezefilm.film.validity import check_scene
 from squeezefilm.parallel import print_step
@@ -40,7 +39,7 @@ from squeezefilm_workflow.verification.films import (
 )
 from squeezefilm_workflow.verification.marching import film_symmetry_in_x_and_y
 from squeezefilm_workflow.verification.numpy_periodic import CollocatedFilm
-from squeezefilm_workflow.verification.origin import origin_comment_lines
+from squeezefilm_workflow.verification.origin import write_with_origin
 
 TOLERANCE = 1e-4
 # A force is solved for again to this share of the tolerance.
@@ -74,10 +73,10 @@ def stability_plane(options: argparse.Namespace) -> None:
     films = (("", scene) for pad in SHAPE_OF_PAD_NAME for scene in films_with_effects(pad))
     table = stability_table(films, device=choose_device())
     write_table(table, options.output)
-    head = origin_comment_lines("stability-plane --output TABLE.csv --summary SUMMARY.csv")
-    shown = verdict_summary(table).to_csv(index=False)
-    write_text(head + shown, options.summary)
-    print(shown)
+    summary = verdict_summary(table)
+    call = "stability-plane --output TABLE.csv --summary SUMMARY.csv"
+    write_with_origin(summary, options.summary, command=call)
+    print(summary.to_csv(index=False))
     raise_if_film_failed(table)
 
 
@@ -156,11 +155,11 @@ def _deviations_of_checks(scene: Scene, solution: Solution, *, device: Device) -
     """Return the independent checks of a film's force and state."""
 
     def solve_again(tolerance: float) -> tuple[Solution, float]:
-        (found,) = solve(
+        (repeated,) = solve(
             [scene], tolerance=tolerance, method="periodic", device=device, keep_states=True
         )
-        off = abs(found.force_n / solution.force_n - 1) if found.status == "ok" else math.inf
-        return found, off
+        off = abs(repeated.force_n / solution.force_n - 1) if repeated.status == "ok" else math.inf
+        return repeated, off
 
     checks: dict[str, float] = {}
     periodic, off = solution, 0.0
@@ -191,13 +190,8 @@ def independent_force(scene: Scene, solution: Solution) -> float:
     size = instants * points**2 / 2 ** sum(film_symmetry_in_x_and_y(scene))
     if size > MAX_INDEPENDENT_UNKNOWNS and not is_axisymmetric(scene):
         return math.nan
-    effects = Effects(
-        inertia=scene.gas.inertia == "included",
-        thermal=scene.gas.thermal == "included",
-        slip="none" if scene.gas.rarefaction == "none" else "first-order",
-    )
     try:
-        return force_on_grid(scene, effects, points=points, instants=instants)
+        return force_on_grid(scene, Effects.of_scene(scene), points=points, instants=instants)
     except ArithmeticError:
         return math.nan
 

@@ -30,25 +30,12 @@ from squeezefilm_workflow.verification.all_effects import (
     force_on_grid,
     grid_sizes_of_scene,
 )
-from squeezefilm_workflow.verification.films import film_scene
+from squeezefilm_workflow.verification.films import listed_films
 from squeezefilm_workflow.verification.marching import periods_to_settle
 from squeezefilm_workflow.verification.reference import ReferenceForce, reference_force
 
-TIMED_FILMS = (
-    film_scene("ε = 0.1, σ = 20", 0.1, 20.0),
-    film_scene("ε = 0.44, σ = 583", 0.44, 583.0),
-    film_scene("off centre, ε = 0.4, σ = 2331", 0.4, 2331.0, x=0.29),
-    film_scene("ε = 0.9, σ = 583", 0.9, 583.0),
-    # With inertia and thermal effects.
-    film_scene(
-        "disc, Re = 2, ε = 0.4, σ = 100", 0.4, 100.0, shape="ellipse", reynolds=2.0, thermal=True
-    ),
-    film_scene("Re = 1, ε = 0.44, σ = 583", 0.44, 583.0, reynolds=1.0, thermal=True),
-    film_scene(
-        "off centre, Re = 1, ε = 0.4, σ = 583", 0.4, 583.0, x=0.2, reynolds=1.0, thermal=True
-    ),
-    film_scene("Re = 8, ε = 0.2, σ = 100", 0.2, 100.0, reynolds=8.0, thermal=True),
-)
+TIMED_FILMS = tuple(listed_films("timed"))
+"""The last four have inertia and thermal effects."""
 COMPARED_EFFECTS = Effects(slip="none")
 SOLVER_NAME, BATCH_SOLVER_NAME = "solver", "solver, in a batch"
 MethodSettings = dict[str, Any]

@@ -20,10 +20,8 @@ def fig15(results: Results) -> tuple[Figure, pd.DataFrame]:
     """One dot per position; the dashed line is the largest radius on the actuator."""
     plan = results.scenes("four_factor")
     positions = plan.groupby(["phi_r_m", "phi_deg"], as_index=False).size()
-    limit_mm, label = (
-        max_centre_distance_mm(results.config),
-        "pad stays on the actuator at every angle",
-    )
+    limit_mm = max_centre_distance_mm(results.config)
+    label = "pad stays on the actuator at every angle"
     data = pd.DataFrame(
         {
             "phi_deg": positions["phi_deg"],

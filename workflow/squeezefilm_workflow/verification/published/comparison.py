@@ -167,10 +167,8 @@ def compare_radial_films() -> Iterator[ComparisonRow]:
         for distance in HOLE_DISTANCES_IN_GAPS:
             away = nodes["r_m"] >= hole_m * (1 - 1e-9) + distance * gap_m
             r_m, xi_real, xi_imag, p_real, p_imag = nodes.loc[away, "r_m":].to_numpy().T
-            pressure, motion = (
-                (p_real + 1j * p_imag) / AIR_PRESSURE_PA,
-                (xi_real + 1j * xi_imag) / gap_m,
-            )
+            pressure = (p_real + 1j * p_imag) / AIR_PRESSURE_PA
+            motion = (xi_real + 1j * xi_imag) / gap_m
             pressures = [
                 radial_pressure(r_m, motion, pressure[0], squeeze=squeeze, factors=factors)
                 for factors in (resolved, VISCOUS_FACTORS)
@@ -199,11 +197,9 @@ def compare_depth_averaging(
         RESPONSE_FUNCTION_OF_SHAPE, ("none", "included"), reynolds, sigma
     ):
         scene = film_scene("", SMALL_EPSILON, s, profile=PISTON_PROFILE, reynolds=re, shape=shape)
-        scene, response, status = (
-            scene.with_gas(thermal=thermal),
-            RESPONSE_FUNCTION_OF_SHAPE[shape],
-            "ok",
-        )
+        scene = scene.with_gas(thermal=thermal)
+        response = RESPONSE_FUNCTION_OF_SHAPE[shape]
+        status = "ok"
         try:
             (outputs,) = _solved_quantities([scene], "harmonics", tolerance=1e-5, device=device)
         except RunError as error:

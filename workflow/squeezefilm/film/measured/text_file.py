@@ -1,0 +1,76 @@
+"""The lines of a table in a file of text, in whatever encoding; what to do with other files.
+
+foreign_files.csv has the files that programs write and that are no such table: how they begin, or
+what their text contains, as patterns.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import io
+import re
+from pathlib import Path
+
+from squeezefilm.errors import InputError
+from squeezefilm.files import read_text
+from squeezefilm.film.measured.arrays import (
+    ARRAY_SUFFIXES,
+    arrays_as_table_lines,
+    matrix_as_table_lines,
+)
+from squeezefilm.film.measured.columns import WORDS_OF_MEANING
+
+FOREIGN_FILES = [
+    *csv.DictReader(
+        read_text(Path(__file__).with_name("foreign_files.csv"), what="list of files").splitlines()
+    )
+]
+ASIAN_WORDS = [word for words in WORDS_OF_MEANING.values() for word in words if word >= "\u3000"]
+MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
+
+
+def read_table_lines(path: Path, *, what: str, form: str) -> tuple[list[str], list[str]]:
+    """A file's lines, and a note on its encoding.
+
+    Args:
+        what, form: what the table is and what it needs, for messages.
+
+    Raises InputError for a file that cannot be read or is none of text, with the remedy.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"the {what} cannot be read: {error}") from None
+    if path.suffix.lower() in ARRAY_SUFFIXES:
+        return arrays_as_table_lines(path), ["its variables are read as columns"]
+    _reject_foreign_file("beginning", content[:MAX_ENCODING_CHECK_CHARACTERS].decode("latin-1"))
+    text, encoding = _decode_text(content)
+    _reject_foreign_file("text", text[:MAX_FORMAT_CHECK_CHARACTERS])
+    if text.count("\0", 0, MAX_ENCODING_CHECK_CHARACTERS) > MAX_ENCODING_CHECK_CHARACTERS / 100:
+        raise InputError(f"no table of text; export one as text or CSV, with {form}")
+    notes = [f"read as {encoding}"] * (encoding != "utf-8")
+    lines, matrix = matrix_as_table_lines(io.StringIO(text, newline=None).read().split("\n"))
+    return lines, notes + matrix
+
+
+def _reject_foreign_file(part: str, text: str) -> None:
+    find = {"beginning": re.match, "text": re.search}[part]
+    for foreign in FOREIGN_FILES:
+        if foreign["part"] == part and find(foreign["pattern"], text):
+            raise InputError(foreign["remedy"])
+
+
+def _decode_text(content: bytes) -> tuple[str, str]:
+    """A text and its encoding: by the byte order mark, by zeros between letters, or as it fits."""
+    start, half = content[:1000], min(len(content), 1000) / 4
+    little = start.startswith(b"\xff\xfe") or start[1::2].count(0) > half
+    if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
+        encoding = "utf-16-le" if little else "utf-16-be"
+        return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
+    for encoding, words in (("utf-8-sig", [""]), ("cp932", ASIAN_WORDS), ("gb18030", ASIAN_WORDS)):
+        with contextlib.suppress(UnicodeDecodeError):
+            text = content.decode(encoding)
+            if any(word in text for word in words):
+                return text, encoding.removesuffix("-sig")
+    return content.decode("latin-1"), "latin-1"
