@@ -38,6 +38,7 @@ from squeezefilm.units import (
     NUMBER_PATTERN,
     corrected_quantity_text,
     number_in_unit,
+    quantity_and_unit_of_column,
     quantity_examples_text,
     quantity_of_unit,
 )
@@ -354,13 +355,28 @@ def study_notes(config: Study) -> Iterator[str]:
 
 def unit_notes(config: FilmSections) -> Iterator[str]:
     """Yield notes on numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT."""
-    for place, value in config.written_values.items():
-        unit = unit_of_schema(_schema_of_config_key(config, place))
+    for key_path, unit in _units_of_numbers(config.sections_as_dict()):
+        value = config.written_values.get(key_path)
         if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):
             least, most, meant = USUAL_RANGE_AND_INPUT_UNIT[unit]
             if not least <= abs(value) <= most:
-                key = ".".join(map(str, place))
+                key = ".".join(map(str, key_path))
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
+
+
+def _units_of_numbers(
+    values: Mapping[str, Any], key_path: KeyPath = (), unit: str = ""
+) -> Iterator[tuple[KeyPath, str]]:
+    """Yield the key of each number and its unit, which its name or its section's ends in.
+
+    The JSON schema has them too, and takes longer to make than a small film to solve.
+    """
+    for name, value in values.items():
+        here, own = (*key_path, key_of_name(name)), quantity_and_unit_of_column(name)[1] or unit
+        if isinstance(value, Mapping):
+            yield from _units_of_numbers(value, here, own)
+        elif isinstance(value, float):
+            yield here, own
 
 
 def target_force_notes(config: Study) -> Iterator[str]:
