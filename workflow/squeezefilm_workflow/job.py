@@ -16,9 +16,10 @@ import pandas as pd
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import SUBSTITUTE_HANDLER_NAME, write_text
+from squeezefilm.files import write_text
 from squeezefilm.parallel import show_progress
 from squeezefilm.tables import write_json, write_table
+from squeezefilm.terminals import SUBSTITUTE_HANDLER_NAME
 
 # Variables of reynolds/device.py and studies/study.py, which take long to import.
 NODE_CACHE_ENV_VARIABLE, SMOOTHED_SCAN_ENV_VARIABLE = (
