@@ -5,7 +5,8 @@ import pytest
 from example_outline import OVAL, STUDY, TURN, write_outline
 
 import squeezefilm as sf
-from squeezefilm.config.loading import effective_yaml, parse_config
+from squeezefilm.config.loading import parse_config
+from squeezefilm.config.writing import effective_yaml
 from squeezefilm.errors import InputError
 from squeezefilm.film.outline import read_contour
 from squeezefilm.studies.study import check_study

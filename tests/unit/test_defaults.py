@@ -11,15 +11,9 @@ import yaml
 
 import squeezefilm as sf
 from squeezefilm.cli.main import main
-from squeezefilm.config.loading import (
-    effective_yaml,
-    load_config,
-    parse_config,
-    value_origin,
-    with_changed_keys,
-    write_effective_study,
-)
+from squeezefilm.config.loading import load_config, parse_config, with_changed_keys
 from squeezefilm.config.study import Study
+from squeezefilm.config.writing import effective_yaml, value_origin, write_effective_study
 from squeezefilm.errors import InputError
 from squeezefilm.film.gas import Gas
 from squeezefilm.studies.plans import plan_point_counts

@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from squeezefilm.cli.main import main, modules_by_command
-from squeezefilm.files import enable_ascii_substitutes
 from squeezefilm.parallel import show_progress
+from squeezefilm.terminals import enable_ascii_substitutes
 
 ENCODINGS = ("ascii", "cp437", "cp932", "latin-1")
 FORCE = ("simulate", "--h0", "5um", "--hv", "2.2um", "--tolerance", "1e-4")

@@ -27,7 +27,8 @@ try:
     from squeezefilm.files import file_digest, remove_partial_files, write_text
     from squeezefilm.errors import InputError
     from squeezefilm.provenance import CODE_PATHS_OF_STAGE, code_digest
-    from squeezefilm.config.loading import load_config, write_effective_study, write_study_file
+    from squeezefilm.config.loading import load_config
+    from squeezefilm.config.writing import write_effective_study, write_study_file
     from squeezefilm.tables import check_parquet_installed
     import squeezefilm_workflow
 except ImportError as error:

@@ -1,36 +1,20 @@
-"""Files that are whole or not there at all, texts in UTF-8, and terminals that are in no UTF-8.
+"""Files that are whole or not there at all, and texts in UTF-8.
 
 A file is written beside its place under a temporary name, brought to the disk, and renamed: who
 reads its place finds the old file or the new one, and two jobs that write the same file at the
 same time do not meet. What a killed job leaves is ``.NAME.RANDOM.part``.
 """
 
-import codecs
 import contextlib
 import hashlib
-import io
 import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TextIO
 
 from squeezefilm.errors import InputError
 
 PARTIAL_FILE_SUFFIX = ".part"
-SUBSTITUTE_HANDLER_NAME = "squeezefilm.substitute"
-"""The name of ``substitute`` among the error handlers of streams."""
-ASCII_SUBSTITUTES = {
-    "µ": "u",
-    "μ": "u",
-    "±": "+/-",
-    "×": "x",
-    "·": "*",
-    "→": "->",
-    "≤": "<=",
-    "≥": ">=",
-}
-ASCII_SUBSTITUTES |= dict.fromkeys("−–—", "-")
 
 
 @contextlib.contextmanager
@@ -92,34 +76,6 @@ def write_text(text: str, path: Path | str) -> None:
     """
     with atomic_file(path) as part:
         part.write_text(text, encoding="utf-8")
-
-
-def substitute_unencodable(error: UnicodeError) -> tuple[str, int]:
-    """Return ASCII in place of characters that a stream's encoding lacks, and their end."""
-    assert isinstance(error, UnicodeEncodeError)
-    characters = error.object[error.start : error.end]
-    return "".join(map(_ascii_substitute, characters)), error.end
-
-
-def _ascii_substitute(character: str) -> str:
-    import unicodedata
-
-    name = unicodedata.name(character, "")
-    if character in ASCII_SUBSTITUTES:
-        return ASCII_SUBSTITUTES[character]
-    if name.startswith("GREEK"):
-        return name.split()[-1].lower()
-    return unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode() or "?"
-
-
-codecs.register_error(SUBSTITUTE_HANDLER_NAME, substitute_unencodable)
-
-
-def enable_ascii_substitutes(*streams: TextIO) -> None:
-    """Let streams print substitutes for characters that their encodings lack."""
-    for stream in streams:
-        if isinstance(stream, io.TextIOWrapper):  # a notebook's is none
-            stream.reconfigure(errors=SUBSTITUTE_HANDLER_NAME)
 
 
 def file_digest(path: Path) -> str:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from squeezefilm.config.study import Study
 from squeezefilm.errors import prefix_errors
 from squeezefilm.film.positions import (
     CARTESIAN_COLUMNS,
@@ -42,6 +41,7 @@ from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
 
 if TYPE_CHECKING:
     from squeezefilm.api.film import Film
+    from squeezefilm.config.study import Study
     from squeezefilm.film.measured.smooth import SmoothedScan
 
 # Scenes solved together, whose states may be held.

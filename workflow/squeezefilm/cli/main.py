@@ -1,6 +1,7 @@
 """The command line: commands in modules, which are loaded when one of them is called."""
 
 import argparse
+import atexit
 import gc
 import importlib
 import importlib.util
@@ -12,13 +13,13 @@ import textwrap
 import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import NoReturn
 
 from squeezefilm import __version__
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import enable_ascii_substitutes
-from squeezefilm.parallel import show_progress
+from squeezefilm.terminals import enable_ascii_substitutes
 
 CommandGroups = Mapping[str, Mapping[str, str]]
 
@@ -70,6 +71,7 @@ HINTS_TO_OTHER_COMMANDS = {
 }
 """By the names of options, for commands that do not have them."""
 COMMAND_NAME_WIDTH, OVERVIEW_WIDTH = 18, 100
+SUMMARY_PATTERN = re.compile(r'^def (\w+)\(options: .*:\n +"""(.*)', re.MULTILINE)
 
 
 def modules_by_command(groups: CommandGroups = COMMAND_GROUPS) -> dict[str, str]:
@@ -86,15 +88,12 @@ def modules_by_command(groups: CommandGroups = COMMAND_GROUPS) -> dict[str, str]
     }
 
 
+@cache
 def command_summaries(place: str) -> dict[str, str]:
-    """The first line of each docstring of a module's functions, by their names; not imported."""
-    import ast
-
+    """The first line of each command's docstring, by its function in a module; not imported."""
     spec = importlib.util.find_spec(place)
     assert spec is not None
-    module = ast.parse(Path(str(spec.origin)).read_bytes())
-    functions = [node for node in module.body if isinstance(node, ast.FunctionDef)]
-    return {node.name: (ast.get_docstring(node) or "").partition("\n")[0] for node in functions}
+    return dict(SUMMARY_PATTERN.findall(Path(str(spec.origin)).read_text(encoding="utf-8")))
 
 
 def main(arguments: Sequence[str] | None = None, *, groups: CommandGroups = COMMAND_GROUPS) -> int:
@@ -123,15 +122,19 @@ def _run_command(arguments: Sequence[str], *, groups: CommandGroups) -> int:
     for name in THREAD_COUNT_ENV_VARIABLES:
         os.environ.setdefault(name, "1")
     os.environ.setdefault(*PYDANTIC_PLUGINS_ENV_SETTING)
-    # No module is garbage before the process ends, and a search for it takes a quarter of the time
-    # of a small command.
+    # No module is garbage before the process ends, and then all is; searches for garbage would take
+    # a quarter of the time of a small command.
+    atexit.register(gc.freeze)
     gc.disable()
     with _exit_on_interrupt():
         command = getattr(importlib.import_module(commands[chosen]), chosen.replace("-", "_"))
     gc.freeze()
     gc.set_threshold(GARBAGE_COLLECTION_THRESHOLD)
     gc.enable()
-    import inspect  # with difflib a third of what `squeezefilm --help` would load
+    # With difflib two thirds of what `squeezefilm --help` would load.
+    import inspect
+
+    from squeezefilm.parallel import show_progress
 
     parser = argparse.ArgumentParser(
         prog=f"squeezefilm {chosen}",

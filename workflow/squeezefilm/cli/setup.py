@@ -10,13 +10,13 @@ from typing import Any
 from squeezefilm.cli.options import command, flag_option, option, print_notes
 from squeezefilm.config.loading import (
     FilmWithoutStudyError,
-    effective_yaml,
     load_config,
     load_film,
     parse_config,
     study_notes,
 )
 from squeezefilm.config.study import Study
+from squeezefilm.config.writing import effective_yaml
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
 from squeezefilm.formatting import result_lines_text

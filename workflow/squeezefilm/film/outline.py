@@ -21,7 +21,6 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval
 
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.measured.table import read_point_table
 
 # Sides of the ellipse on which a map is based: nearer to a disc the foci fall together, and the map
 # of the disc itself would need no ν at the centre. With 1.05 16 nodes across reach what takes 19
@@ -301,6 +300,8 @@ def _missing_coordinate_problems(known: Collection[str]) -> dict[str, bool]:
 
 def _contour_points(path: Path) -> np.ndarray:
     """Points x + iy in metres, against the clock, checked."""
+    from squeezefilm.film.measured.table import read_point_table  # as long as a small film
+
     table, _, _ = read_point_table(
         path,
         ("x", "y"),

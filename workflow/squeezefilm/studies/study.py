@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from math import atan2, degrees, hypot
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, prefix_errors, raise_row_problems
 from squeezefilm.film.positions import POLAR_COLUMNS, cartesian_from_polar, columns_in_table_form
 from squeezefilm.film.profiles import Profile
@@ -19,6 +18,9 @@ from squeezefilm.film.symmetry import DirectionSector
 from squeezefilm.film.validity import check_pad_fits, check_scene, check_scenes
 from squeezefilm.lazy import pd
 from squeezefilm.tables import FACTOR_COLUMNS, read_measurements
+
+if TYPE_CHECKING:
+    from squeezefilm.config.study import Study
 
 
 def film_values(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, Any]:

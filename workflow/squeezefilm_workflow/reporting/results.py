@@ -7,8 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from squeezefilm.config.loading import STUDY_FILE_NAME, load_config
+from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
+from squeezefilm.config.writing import STUDY_FILE_NAME
 from squeezefilm.errors import InputError, append_remedy
 from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fit_file import FittedModel, read_fit

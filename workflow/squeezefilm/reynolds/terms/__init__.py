@@ -43,15 +43,12 @@ TERM_CLASSES: tuple[type[Term], ...] = (
 Terms = tuple[Term, ...]
 
 # Terms that a program has which is compiled for others, and that a film's row turns on: the budget
-# of one force solves films with and without each of them, and a program takes seconds to compile.
+# of one force solves films with and without each of them, and a program takes seconds to compile
+# and 30 ms to load. That of a film with one of the second has them all, and first-order slip.
 ALWAYS_COMPILED_TERMS: Terms = (EdgePressure(),)
-SWITCHABLE_VELOCITY_TERMS: Terms = (Rarefaction("slip"), Inertia(), Thermal())
-SWITCHABLE_RAREFIED_TERMS: Terms = (FlowFactor("fukui-kaneko"),)
+COMPILED_TOGETHER_TERMS: Terms = (FlowFactor("fukui-kaneko"), Inertia(), Thermal())
 SWITCHABLE_TERM_NAMES = tuple(
-    [
-        term.NAME
-        for term in (*ALWAYS_COMPILED_TERMS, *SWITCHABLE_VELOCITY_TERMS, *SWITCHABLE_RAREFIED_TERMS)
-    ]
+    term.NAME for term in (*ALWAYS_COMPILED_TERMS, *COMPILED_TOGETHER_TERMS)
 )
 
 
@@ -69,12 +66,10 @@ def terms_label(terms: Terms) -> str:
 def compiled_terms(terms: Terms) -> Terms:
     """Return the terms of the program that solves films of some terms, and others."""
     more = ALWAYS_COMPILED_TERMS
-    if any(isinstance(term, VelocityTerm) for term in terms):
-        more += SWITCHABLE_VELOCITY_TERMS
-    elif any(isinstance(term, Rarefaction) for term in terms):
-        more += SWITCHABLE_RAREFIED_TERMS
+    if any(isinstance(term, (VelocityTerm, Rarefaction)) for term in terms):
+        more += COMPILED_TOGETHER_TERMS
     compiled = {term.NAME: term for term in (*more, *terms)}
-    if FlowFactor.NAME in compiled:  # its program has first-order slip too
+    if FlowFactor.NAME in compiled:
         compiled.pop(Rarefaction.NAME, None)
     return tuple(sorted(compiled.values(), key=_term_order))
 

@@ -63,6 +63,11 @@ WAVE_LAYER_FACTOR, MAX_LAYER_SIGMA_FACTOR, SHORT_WAVE_NUMBER = 1.2, 50.0, 4 * pi
 MIN_ROOT_SIGMA = 4.0
 # Stands for zero in a denominator.
 TINY_DENOMINATOR = 1e-14
+# Of matrices at and from the flux points of an axis, those of a curved axis last.
+FLUX_MATRIX_NAMES = (
+    *("values", "nodes", "slope", "along", "divergence", "across", "edge", "to_end", "amplitude"),
+    *("over_area", "bend"),
+)
 
 
 class VelocityTerm(Term):
@@ -102,6 +107,7 @@ class Inertia(VelocityTerm):
     TIME_MATRIX_PRODUCT_COUNT = 10
     SUPPORTS_EXPANSIONS = True
     INTERPOLATION_MATRIX_NAMES = ("carry_flux_x", "carry_flux_y")
+    OPERATOR_NAMES = tuple(f"flux_{name}_{axis}" for axis in "xy" for name in FLUX_MATRIX_NAMES)
 
     @classmethod
     def of(cls, scene: Scene) -> Inertia | None:
