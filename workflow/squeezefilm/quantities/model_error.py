@@ -40,9 +40,9 @@ from squeezefilm.solution import Solution
 # largest effect, unless a force took more operations than EXPENSIVE_OPERATION_COUNT, a fraction of
 # a second.
 FIRST_GRID_TOLERANCE, MAX_REFINEMENTS = 1e-2, 2
-RELATIVE_EFFECT_TOLERANCE, EXPENSIVE_OPERATION_COUNT = 0.01, 2e9
+RELATIVE_EFFECT_TOLERANCE, EXPENSIVE_OPERATION_COUNT = 0.03, 2e9
 # Scenes whose budgets are solved for together, so that not all states are held.
-SCENES_PER_BUDGET_BATCH = 128
+SCENES_PER_BUDGET_BATCH = 16
 # Terms that a study may leave to be decided, in the order in which they are.
 AUTO_TERMS: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
@@ -287,7 +287,8 @@ def _changes_beside_states(
         ("moving_profile", moving_profile.moving_profile_changes, sliding),
     ):
         found = force_changes(
-            list(of_scenes), [_solution_of_variant(variants.get(scene)) for scene in of_scenes],
+            list(of_scenes),
+            [_solution_of_variant(variants.get(scene)) for scene in of_scenes],
             device=device,
         )
         changes[name] = dict(zip(of_scenes, np.moveaxis(found, -1, 0), strict=True))
