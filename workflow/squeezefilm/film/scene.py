@@ -392,7 +392,12 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         numbers = [each[rows] for each in (self.h0_m, self.hv_m, self.x_m, self.y_m)]
         if isinstance(rows, (int, np.integer)):
             return self.films[index].scene(*map(float, numbers), point_id=str(point_id))
-        return Scenes(self.films, index, *numbers, point_id)  # type: ignore[call-arg]
+        films = self.films
+        if len(films) > len(index):  # each column of a film's values takes time for each of them
+            known = {film: place for place, film in enumerate(dict.fromkeys(index.tolist()))}
+            films = tuple(films[film] for film in known)
+            index = np.array([known[film] for film in index.tolist()], dtype=np.int64)
+        return Scenes(films, index, *numbers, point_id)  # type: ignore[call-arg]
 
     def film_value_column(self, of_film: Callable[[Film], Any]) -> Any:
         """Return a value of the scenes' films: one for a single film, else shape (n, …)."""

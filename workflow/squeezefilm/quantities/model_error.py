@@ -35,16 +35,14 @@ from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import Solution
 
-# Relative errors of the forces whose differences are effects. The next is taken where an error is
-# more than a fraction of the largest effect, unless a force took more operations than
-# EXPENSIVE_OPERATION_COUNT, a fraction of a second.
-FORCE_TOLERANCES, RELATIVE_EFFECT_TOLERANCE, EXPENSIVE_OPERATION_COUNT = (
-    (1e-3, 1e-4, 1e-5),
-    0.003,
-    2e9,
-)
+# Tolerance of the first grids of a film with all effects, on which its forces with and without
+# each are solved for; finer ones, so many times, where their error is more than a fraction of the
+# largest effect, unless a force took more operations than EXPENSIVE_OPERATION_COUNT, a fraction of
+# a second.
+FIRST_GRID_TOLERANCE, MAX_REFINEMENTS = 1e-2, 2
+RELATIVE_EFFECT_TOLERANCE, EXPENSIVE_OPERATION_COUNT = 0.03, 2e9
 # Scenes whose budgets are solved for together, so that not all states are held.
-SCENES_PER_BUDGET_BATCH = 128
+SCENES_PER_BUDGET_BATCH = 16
 # Terms that a study may leave to be decided, in the order in which they are.
 AUTO_TERMS: dict[str, Term] = {"inertia": Inertia(), "thermal": Thermal()}
 # The effects, by their names in tables.
@@ -93,6 +91,7 @@ class ErrorBudget:
         edge_loss_upper_percent: the edge loss for the largest C.
         modelling_error_percent: lower and upper end of all neglected effects together, with C from
             its smallest to its largest; NaN where an effect is unknown.
+        numerical_error_percent: the largest error of an effect by grids and iterations.
         status: ``ok``, or why there are none.
     """
 
@@ -101,6 +100,7 @@ class ErrorBudget:
     )
     edge_loss_upper_percent: float = nan
     modelling_error_percent: tuple[float, float] = (nan, nan)
+    numerical_error_percent: float = nan
     status: str = "ok"
 
     @property
@@ -228,29 +228,55 @@ class EffectVariants:
 def _error_budgets_of_variants(
     films: Sequence[EffectVariants], device: Device
 ) -> list[ErrorBudget]:
-    moving = [film for film in films if film.has_force]
-    alone = {film.scene: None for film in moving}
-    together = {film.together: None for film in moving}
-    sliding = {film.together: None for film in moving if film.scene.bearing_number}
-    with_still = sliding | {film.still.together: None for film in moving if film.still}
-    with_states = alone | together | with_still
-    others = {scene: None for film in moving for scene in film.scenes if scene not in with_states}
-    solutions: dict[Scene, Solution] = {}
-    for tolerance in FORCE_TOLERANCES:
-        vague = [film for film in moving if not _effects_resolved(film, solutions)]
-        waiting = {scene: None for film in vague for scene in film.scenes}
-        for distinct, keep_states in ((with_states, True), (others, False)):
-            asked = [scene for scene in distinct if scene in waiting]
-            solved = solve(
-                asked,
-                tolerance=tolerance,
-                method="periodic",
-                device=device,
-                keep_states=keep_states,
-            )
-            for scene, solution in zip(asked, solved, strict=True):
-                if solution.status == "ok" or scene not in solutions:
-                    solutions[scene] = solution
+    budgets = [ErrorBudget(status="no vibration, no force") for _ in films]
+    waiting = [k for k, film in enumerate(films) if film.has_force]
+    for refinements in range(1 + MAX_REFINEMENTS):
+        if not waiting:
+            break
+        moving = [films[k] for k in waiting]
+        variants = _solve_variants(moving, refinements=refinements, device=device)
+        changes = _changes_beside_states(moving, variants, device=device)
+        for k in waiting:
+            budgets[k] = _error_budget_of_variants(films[k], variants, changes)
+        waiting = [k for k in waiting if not _is_resolved(budgets[k], films[k], variants)]
+    unsolved = [k for k, film in enumerate(films) if film.has_force and budgets[k].status != "ok"]
+    how: dict[str, Any] = {"tolerance": FIRST_GRID_TOLERANCE, "method": "periodic"}
+    for k, solution in zip(
+        unsolved, solve([films[k].scene for k in unsolved], **how, device=device), strict=True
+    ):
+        budgets[k] = ErrorBudget(status=solution.status)
+    return budgets
+
+
+def _solve_variants(
+    films: Sequence[EffectVariants], *, refinements: int, device: Device
+) -> dict[Scene, FilmOnGrids]:
+    """Return the variants of films on the grids of each with all effects, where there are states.
+
+    Equal variants of films are solved for once.
+    """
+    full_scenes = {scene: film.together for film in films for scene in film.scenes}
+    scenes = Scenes.of(list(full_scenes))
+    solved = films_on_grids_of(
+        solve_plan_of(Scenes.of(list(full_scenes.values()))),
+        scenes,
+        range(len(scenes)),
+        tolerance=FIRST_GRID_TOLERANCE,
+        refinements=refinements,
+        device=device,
+        keep_states=True,
+    )
+    return {scene: solved[row] for row, scene in enumerate(full_scenes) if row in solved}
+
+
+def _changes_beside_states(
+    films: Sequence[EffectVariants], variants: Mapping[Scene, FilmOnGrids], *, device: Device
+) -> ForceChanges:
+    """Return the changes of forces by effects that the solver has no terms for."""
+    alone = {film.scene: None for film in films}
+    together = {film.together: None for film in films}
+    sliding = {film.together: None for film in films if film.scene.bearing_number}
+    with_still = sliding | {film.still.together: None for film in films if film.still}
     changes: ForceChanges = {}
     edge_changes = edge_effects.edge_effect_changes
     for name, force_changes, of_scenes in (
@@ -261,51 +287,55 @@ def _error_budgets_of_variants(
         ("moving_profile", moving_profile.moving_profile_changes, sliding),
     ):
         found = force_changes(
-            list(of_scenes), [solutions[scene] for scene in of_scenes], device=device
+            list(of_scenes),
+            [_solution_of_variant(variants.get(scene)) for scene in of_scenes],
+            device=device,
         )
         changes[name] = dict(zip(of_scenes, np.moveaxis(found, -1, 0), strict=True))
-    return [_error_budget_of_variants(film, solutions, changes) for film in films]
+    return changes
 
 
-def _effects_resolved(film: EffectVariants, solutions: Mapping[Scene, Solution]) -> bool:
-    """Return whether forces are known as closely as their differences need, or as it pays."""
-    if film.scene not in solutions:
-        return False
-    known = [solutions[scene] for scene in film.scenes]
-    if any(solution.status != "ok" for solution in known):
+def _solution_of_variant(film: FilmOnGrids | None) -> Solution:
+    if film is None:
+        return Solution(method="periodic", status="no state")
+    return Solution(method="periodic", status="ok", states=film.states, residual=film.residual)
+
+
+def _is_resolved(
+    budget: ErrorBudget, film: EffectVariants, variants: Mapping[Scene, FilmOnGrids]
+) -> bool:
+    """Return whether effects are known as closely as the largest needs, or as it pays."""
+    counts = [variants[scene].operation_count for scene in film.scenes if scene in variants]
+    if max(counts, default=0.0) > EXPENSIVE_OPERATION_COUNT:
         return True
-    forces_n = [solutions[each].force_n for each in film.variants_of_same_motion]
-    error_n = max(solution.force_error_n for solution in known)
-    dearest = max(solution.operation_count for solution in known)
-    return dearest > EXPENSIVE_OPERATION_COUNT or error_n <= RELATIVE_EFFECT_TOLERANCE * (
-        max(forces_n) - min(forces_n)
-    )
+    largest = max(abs(effect.percent) for effect in budget.effects.values())
+    return budget.numerical_error_percent <= RELATIVE_EFFECT_TOLERANCE * largest
 
 
 def _error_budget_of_variants(
-    film: EffectVariants, solutions: Mapping[Scene, Solution], changes: ForceChanges
+    film: EffectVariants, variants: Mapping[Scene, FilmOnGrids], changes: ForceChanges
 ) -> ErrorBudget:
     """A scene's budget from the forces of its films and what is beside these."""
     scene = film.scene
-    if not film.has_force:
-        return ErrorBudget(status="no vibration, no force")
-    own = solutions[scene]
-    if own.status != "ok":
-        return ErrorBudget(status=own.status)
+    if scene not in variants:
+        return ErrorBudget(status="no state")
+    own = variants[scene]
 
     def change_percent(with_effect: Scene, without: Scene) -> tuple[float, float]:
         """Return the difference of two forces and its error, in per cent of the own force."""
-        one, other = solutions[with_effect], solutions[without]
-        error_n = one.force_error_n + other.force_error_n if with_effect != without else 0.0
-        per_force = 100 / own.force_n
-        return per_force * (one.force_n - other.force_n), abs(per_force) * error_n
+        if with_effect not in variants or without not in variants:
+            return nan, nan
+        change, error = own.relative_difference(variants[with_effect], without=variants[without])
+        return 100 * change, 100 * error
 
     effects = dict.fromkeys(EFFECT_NAMES, NO_EFFECT)
     # First-order slip stands for the flow factor, by whose difference an effect may be off.
     apart, apart_error = change_percent(scene, film.reference)
     doubt = (abs(apart) + apart_error) / 100
+    numerical_errors = []
     for name, (with_effect, without) in film.pairs.items():
         percent, error = change_percent(with_effect, without)
+        numerical_errors.append(error)
         included = with_effect == scene
         effects[name] = Effect(percent, error + doubt * abs(percent) * (not included), included)
     for name in film.unsolvable:
@@ -315,7 +345,7 @@ def _error_budget_of_variants(
         changes["separate_edge_effects"][scene]
     )
     # Those of the film with all other effects, over that film's force.
-    with_all = solutions[film.together].force_n / own.force_n
+    with_all = _mean_pressure_ratio(variants, film.together) / own.mean_pressure_ratios[1]
     joint = with_all * changes["joint_edge_effects"][film.together]
     *edges, resistance, inertance = _effects_of_changes(joint)
     edge_flow_error = sum(
@@ -327,6 +357,9 @@ def _error_budget_of_variants(
     effects["edge_loss"] = edge_loss
     effects["edge_flow"] = Effect(edge_flow.percent, edge_flow.error_percent + edge_flow_error)
     together, error = change_percent(film.together, film.reference)
+    numerical_errors.append(
+        error + max(edge.error_percent for edge in (*edges, edge_loss, edge_flow))
+    )
     error += doubt * abs(together)
     if "flow_factor" in film.pairs:
         percent, flow_error, _ = effects["flow_factor"]
@@ -334,7 +367,7 @@ def _error_budget_of_variants(
         interaction = 0.0 if film.together.viscous() == film.together else abs(percent)
         effects["flow_factor"] = Effect(percent, flow_error + interaction)
     if scene.bearing_number:
-        effects |= _sliding_effects(film, solutions, changes)
+        effects |= _sliding_effects(film, variants, changes)
     ends = [edge.percent for edge in edges]
     error += max(edge.error_percent for edge in edges) + edge_flow_error
     for name in ("flow_factor", "depth_averaged", *SLIDING_EFFECT_NAMES):
@@ -349,6 +382,7 @@ def _error_budget_of_variants(
             float(together + min(ends) - error),
             float(together + max(ends) + error),
         ),
+        numerical_error_percent=float(np.max(numerical_errors)),
     )
 
 
@@ -357,30 +391,33 @@ def _effects_of_changes(changes: np.ndarray) -> list[Effect]:
     return [Effect(100 * float(change), 100 * abs(float(error))) for change, error in changes.T]
 
 
+def _mean_pressure_ratio(variants: Mapping[Scene, FilmOnGrids], scene: Scene) -> float:
+    """Return the mean gauge pressure over p0 of a variant; NaN where it has no state."""
+    return variants[scene].mean_pressure_ratios[1] if scene in variants else nan
+
+
 def _sliding_effects(
-    film: EffectVariants, solutions: Mapping[Scene, Solution], changes: ForceChanges
+    film: EffectVariants, variants: Mapping[Scene, FilmOnGrids], changes: ForceChanges
 ) -> dict[str, Effect]:
     """Return the effects beside the Couette flow that a pad's sliding has, of OF_SLIDING."""
-    scene, together, own_n = film.scene, film.together, solutions[film.scene].force_n
+    scene, force = film.scene, partial(_mean_pressure_ratio, variants)
 
     def effect_percent(name: str) -> tuple[float, float]:
-        change, error = changes[name][together][:, 0] * solutions[together].force_n / own_n
+        change, error = changes[name][film.together][:, 0] * force(film.together) / force(scene)
         return 100 * float(change), 100 * abs(float(error))
 
-    def gas_effects_n(film: EffectVariants) -> np.ndarray:
+    def gas_effects(film: EffectVariants) -> np.ndarray:
         """Changes of the force by inertia, by thermal effects and by gas that the wall drags."""
-        forces_n = [
-            [solutions[each].force_n for each in pair] for pair in film.gas_term_variant_pairs
-        ]
+        forces = [[*map(force, pair)] for pair in film.gas_term_variant_pairs]
         dragged = changes["sheared_gas"][film.together][0, 0]
-        return np.append(-np.diff(forces_n), solutions[film.together].force_n * dragged)
+        return np.append(-np.diff(forces), force(film.together) * dragged)
 
     sheared, error = effect_percent("sheared_gas")
-    effects_n = gas_effects_n(film)
-    by_vibration_n = effects_n - gas_effects_n(film.still) if film.still else effects_n
-    size_n, vibrating_n = (float(np.abs(each).sum()) for each in (effects_n, by_vibration_n))
-    missed = sheared_gas.first_order_remainder_of_scene(scene, vibrating=vibrating_n / size_n)
-    error += 100 * missed * size_n / abs(own_n)
+    by_gas = gas_effects(film)
+    by_vibration = by_gas - gas_effects(film.still) if film.still else by_gas
+    size, vibrating = (float(np.abs(each).sum()) for each in (by_gas, by_vibration))
+    missed = sheared_gas.first_order_remainder_of_scene(scene, vibrating=vibrating / size)
+    error += 100 * missed * size / abs(force(scene))
     error += 6 * scene.knudsen * abs(sheared)  # of the wall's velocity no slip is known
     ram, ram_error = effect_percent("ram_pressure")
     effects = {
@@ -521,7 +558,7 @@ def resolve_auto_terms(
             both = [row for row in undecided if row in solved]
             without = films_on_grids_of(plan, tried, both, **how, refinements=refinements)
             for row, film in without.items():
-                change, error = solved[row].relative_change_to(film)
+                change, error = solved[row].relative_difference(film, without=solved[row])
                 if abs(change) + error < model_tolerance:
                     included[row] = fewer
                     decided.add(row)

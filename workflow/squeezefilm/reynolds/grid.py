@@ -19,7 +19,7 @@ from squeezefilm.reynolds.spectral import (
     cached_radial_axis,
     cached_time_axis,
 )
-from squeezefilm.reynolds.terms import Terms, preconditioner_count
+from squeezefilm.reynolds.terms import NamedArrays, Term, Terms, preconditioner_count
 
 # Nodes across the pad beyond which none is tried: there rounding begins to show at 1e-6, and a
 # scene takes minutes.
@@ -182,11 +182,16 @@ class Grid(HashedOnce):
 @lru_cache(maxsize=256)
 def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.ndarray]:
     """The matrices of a grid over the period, under the names that kernels know them by."""
+    if terms:
+        parts = dict(grid_matrices(grid, aspect=aspect, terms=()))
+        for term in terms:
+            parts.update(_matrices_of_term(term, grid, aspect))
+        return parts
     values_x, vectors_x, inverse_x = grid.x.even_odd_modes
     values_y, vectors_y, inverse_y = grid.y.even_odd_modes
     length_x, length_y = grid.axis_lengths(aspect)
     values_x, values_y = values_x / length_x**2, values_y / length_y**2
-    parts = {
+    return {
         "laplace_x": grid.x.second_derivative_parts / length_x**2,
         "modes_x": vectors_x,
         "to_modes_x": inverse_x,
@@ -203,9 +208,11 @@ def grid_matrices(grid: Grid, *, aspect: float, terms: Terms) -> dict[str, np.nd
         "sine": np.sin(grid.t.nodes),
         "cosine": np.cos(grid.t.nodes),
     }
-    for term in terms:
-        parts.update(term.matrices(grid, aspect=aspect))
-    return parts
+
+
+@lru_cache(maxsize=256)
+def _matrices_of_term(term: Term, grid: Grid, aspect: float) -> NamedArrays:
+    return term.matrices(grid, aspect=aspect)
 
 
 def _cosine_moment_matrix(axis: Axis | AngleAxis) -> np.ndarray:

@@ -22,7 +22,7 @@ from squeezefilm.reynolds.error_estimate import (
     error_per_change,
     resolved_change,
 )
-from squeezefilm.reynolds.grid import Grid
+from squeezefilm.reynolds.grid import Grid, krylov_iteration_flops
 from squeezefilm.reynolds.periodic.launch import Batch, PeriodicStates, launch
 from squeezefilm.reynolds.periodic.refinement import (
     MAX_SCENES_PER_LAUNCH,
@@ -51,27 +51,38 @@ class FilmOnGrids:
     Attributes:
         period_means: its gauge pressure's means over a period, (nx, ny) on each grid.
         mean_pressure_ratios: their means over the pad.
-        residual_error: of the last of these, by what the iteration left.
+        residual, residual_error: what the iteration left of the mass, and of the last mean.
+        operation_count: floating-point operations on both grids.
+        states: those on the grids, where they were asked for.
     """
 
     grids: tuple[Grid, Grid]
     period_means: tuple[np.ndarray, np.ndarray]
     mean_pressure_ratios: tuple[float, float]
+    residual: float
     residual_error: float
+    operation_count: float
+    states: tuple[PeriodicStates, ...]
 
-    def relative_change_to(self, other: FilmOnGrids) -> tuple[float, float]:
-        """Return the other film's force over this one's, less 1, and the error of that.
+    def relative_difference(
+        self, film: FilmOnGrids, *, without: FilmOnGrids
+    ) -> tuple[float, float]:
+        """Return the difference of two films' forces over this one's, and the error of that.
 
         The error is estimated as that of a force, by the difference of the fields in place of a
         field: by how it changes from grid to grid, with the fall of thin layers.
         """
-        coarse, fine = np.divide(other.mean_pressure_ratios, self.mean_pressure_ratios) - 1
-        differences = [b - a for a, b in zip(self.period_means, other.period_means, strict=True)]
+        if film is without:
+            return 0.0, 0.0
+        coarse, fine = np.subtract(film.mean_pressure_ratios, without.mean_pressure_ratios) / (
+            self.mean_pressure_ratios
+        )
+        differences = [b - a for a, b in zip(without.period_means, film.period_means, strict=True)]
         before, after = zip(self.grids, [each[None] for each in differences], strict=True)
         mean = abs(self.mean_pressure_ratios[1])
         resolved = float(resolved_change(before, after)[0]) / mean
         change = max(abs(fine - coarse), VELOCITY_CHANGE_SIZE_FRACTION * resolved)
-        left = (self.residual_error + other.residual_error) / mean
+        left = (film.residual_error + without.residual_error) / mean
         return float(fine), float(error_per_change(THIN_LAYER_CONVERGENCE_RATIO)) * change + left
 
 
@@ -83,6 +94,7 @@ def films_on_grids_of(
     tolerance: float,
     refinements: int,
     device: Device,
+    keep_states: bool = False,
 ) -> dict[int, FilmOnGrids]:
     """Solve some scenes on two grids of their like; by row, where both grids have a state.
 
@@ -108,7 +120,7 @@ def films_on_grids_of(
                 batches = take_launch_batches(queued, most=MAX_SCENES_PER_LAUNCH)
                 launched = launch(batches, device=device)
                 for batch, stages in zip(batches, launched.wait_for_states(device), strict=True):
-                    found |= _films_of_batch(batch, stages[-2:])
+                    found |= _films_of_batch(batch, stages[-2:], keep_states=keep_states)
                 device.recycle_arrays(*launched.pooled_host_arrays)
         except Exception:
             device.queue.finish()  # kernels under way write into arrays that this sets free
@@ -147,19 +159,29 @@ def _batches_on_grids_of(
                 yield Batch(scenes, alike[part], terms, grids, tolerances)
 
 
-def _films_of_batch(batch: Batch, stages: Sequence[PeriodicStates]) -> dict[int, FilmOnGrids]:
+def _films_of_batch(
+    batch: Batch, stages: Sequence[PeriodicStates], *, keep_states: bool
+) -> dict[int, FilmOnGrids]:
     coarse, fine = stages
     means = [states.gauge_pressure_ratio.mean(axis=-1) for states in stages]
     # A mass error w moves the pressure by about n w/H.
     stiffness = batch.scenes.gas.polytropic_exponent / batch.scenes.narrowest_gap_ratio
-    residual_error = stiffness * fine.result_rows["residual"]
+    residual = fine.result_rows["residual"]
+    operations = sum(
+        krylov_iteration_flops(states.grid, batch.terms)
+        * (states.result_rows["newton_steps"] + states.result_rows["krylov_iterations"])
+        for states in stages
+    )
     solved = (coarse.status_indices == 0) & (fine.status_indices == 0)
     return {
         int(batch.scene_rows[k]): FilmOnGrids(
             (coarse.grid, fine.grid),
             (means[0][k], means[1][k]),
             (float(coarse.mean_pressure_ratio[k]), float(fine.mean_pressure_ratio[k])),
-            float(residual_error[k]),
+            residual=float(residual[k]),
+            residual_error=float((stiffness * residual)[k]),
+            operation_count=float(operations[k]),
+            states=tuple(states[k].copy() for states in stages) if keep_states else (),
         )
         for k in np.flatnonzero(solved).tolist()
     }

@@ -156,6 +156,7 @@ def wave_mach_estimate(scene: OperatingPoints) -> Any:
     return scene.epsilon * (scene.modified_reynolds / 5) ** 0.5
 
 
+@lru_cache(maxsize=256)
 def flux_point_matrices(grid: Grid, *, aspect: float) -> NamedArrays:
     """The matrices of velocities along each axis (spectral.py), by their names in the kernels."""
     lengths = grid.axis_lengths(aspect)
