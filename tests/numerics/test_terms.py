@@ -14,7 +14,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.packing import equation_numbers_table
-from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.launch import program_terms_and_precision, solve_batch
 from squeezefilm.reynolds.terms import terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
     FLOW_TABLE_PATH,
@@ -27,6 +27,18 @@ from squeezefilm_workflow.verification.rarefied_flow import poiseuille_flow
 
 KINETIC, NARROW = {"rarefaction": "fukui-kaneko"}, 67 / 60
 """The flow factor, and the Knudsen number of air in a gap of 60 nm."""
+
+
+def test_films_with_neglected_effects_share_a_program():
+    """The budget of one force loads it and that of the film without them, 30 ms each."""
+    scene = film(epsilon=0.4, sigma=100.0, profile=PISTON)
+    effects = (
+        *({"rarefaction": "slip"}, KINETIC, {"inertia": "included"}, {"thermal": "included"}),
+        {"rarefaction": "slip", "inertia": "included", "thermal": "included"},
+    )
+    of_effects = {program_terms_and_precision(terms_of(scene.with_gas(**gas))) for gas in effects}
+    assert len(of_effects) == 1
+    assert program_terms_and_precision(terms_of(scene)) not in of_effects
 
 
 @pytest.mark.parametrize("inverse", [0.0113, 0.087, 0.42, 1.7, 5.3, 37.0, 300.0])

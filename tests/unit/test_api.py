@@ -44,7 +44,12 @@ LIGHT = {
     "import squeezefilm": {"numpy", "pandas", "pyopencl"},
     "import squeezefilm; squeezefilm.load('config/paper.yaml')": {"pandas", "pyopencl", "scipy"},
     "from squeezefilm.cli.main import main; main('simulate --h0 5um --hv 2um'.split())": {
-        *("multiprocessing", "pandas", "scipy", "squeezefilm.film.measured.smooth")
+        *("multiprocessing", "pandas", "scipy", "squeezefilm.film.measured.smooth"),
+        *("squeezefilm.film.measured.table", "squeezefilm.config.study"),
+        *("squeezefilm.config.keys", "squeezefilm.config.messages"),
+    },
+    "from squeezefilm.cli.main import main\ntry: main(['--help'])\nexcept SystemExit: pass": {
+        *("ast", "ctypes", "dataclasses", "hashlib", "numpy", "tempfile"),
     },
     "from squeezefilm.cli.main import main; main('levitate --mass 10g --hv 1um'.split())": {
         *("multiprocessing", "pandas", "scipy")

@@ -6,13 +6,36 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 
-from squeezefilm.config.keys import key_table, study_schema
+from squeezefilm.config.film import FilmSections
+from squeezefilm.config.keys import key_table, schema_of_key, study_schema, unit_of_schema
+from squeezefilm.config.loading import (
+    STUDY_SECTION_NAMES,
+    USUAL_RANGE_AND_INPUT_UNIT,
+    load_config,
+    units_of_numbers,
+)
+from squeezefilm.config.study import Study
 from squeezefilm.film.pad import GapShape
 
 
 def test_every_key_has_a_row():
     for key in ("| **`actuator`** |", "| `profile.wave_number` | 1/m |", "| `gap.tilt_x` | m |"):
         assert key in key_table(study_schema())
+
+
+def test_the_keys_of_a_study_beside_its_film_are_named():
+    assert {*STUDY_SECTION_NAMES} == Study.model_fields.keys() - FilmSections.model_fields.keys()
+
+
+@pytest.mark.parametrize("name", ["paper", "plate", "levitation"])
+def test_names_of_lengths_and_frequencies_have_their_units(repository, name):
+    sections = load_config(repository / "config" / f"{name}.yaml").sections_as_dict()
+    units = dict(units_of_numbers(sections))
+    assert units["actuator", "frequency"] == "Hz"
+    assert units["screen", "h0", "start"] == "m"
+    for key_path, unit in units.items():
+        known = unit_of_schema(schema_of_key(key_path, sections))
+        assert unit == known or not {unit, known} & USUAL_RANGE_AND_INPUT_UNIT.keys(), key_path
 
 
 def test_a_circle_has_a_diameter_instead_of_lengths():

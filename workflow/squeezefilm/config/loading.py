@@ -221,7 +221,7 @@ def study_notes(config: Study) -> Iterator[str]:
 
 def unit_notes(config: FilmSections) -> Iterator[str]:
     """Yield notes on numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT."""
-    for key_path, unit in _units_of_numbers(config.sections_as_dict()):
+    for key_path, unit in units_of_numbers(config.sections_as_dict()):
         value = config.written_values.get(key_path)
         if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):
             least, most, meant = USUAL_RANGE_AND_INPUT_UNIT[unit]
@@ -230,7 +230,7 @@ def unit_notes(config: FilmSections) -> Iterator[str]:
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 
-def _units_of_numbers(
+def units_of_numbers(
     values: Mapping[str, Any], key_path: KeyPath = (), unit: str = ""
 ) -> Iterator[tuple[KeyPath, str]]:
     """Yield the key of each number and its unit, which its name or its section's ends in.
@@ -240,7 +240,7 @@ def _units_of_numbers(
     for name, value in values.items():
         here, own = (*key_path, key_of_name(name)), quantity_and_unit_of_column(name)[1] or unit
         if isinstance(value, Mapping):
-            yield from _units_of_numbers(value, here, own)
+            yield from units_of_numbers(value, here, own)
         elif isinstance(value, float):
             yield here, own
 
