@@ -63,6 +63,16 @@ def test_scenes_as_columns_have_the_numbers_of_each(scene):
     assert np.array(scenes.static_gap_ratio_range) == pytest.approx(alone, rel=1e-15)
 
 
+def test_some_of_many_scenes_have_their_own_films_alone(scene):
+    """What depends on films alone is found for each of them."""
+    each = [scene.with_gas(viscosity_pa_s=viscosity) for viscosity in (1e-5, 2e-5, 3e-5, 2e-5)]
+    some = Scenes.of(each)[np.array([3, 1])]
+    assert len(some.films) == 1
+    assert list(some) == [each[3], each[1]]
+    assert len(Scenes.of(each)[np.array([2, 0])].films) == 2
+    assert list(Scenes.of(each)[np.array([2, 0])]) == [each[2], each[0]]
+
+
 @pytest.mark.parametrize("polar", [True, False])
 def test_a_table_becomes_the_scenes_of_its_rows(paper, polar):
     points = pd.DataFrame({"point_id": ["a", "b"], "h0_m": [5e-6, 9e-6], "hv_m": [2e-6, 1e-6]})
