@@ -144,8 +144,15 @@ class Solutions(Sequence[Solution]):
     def to_frame(self, index: pd.Index | None = None) -> pd.DataFrame:
         """The columns of a table of forces, a row for each scene, and of what was asked for."""
         forces = pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS}, index=index)
+        if not self.have_requested_quantities.any():
+            return forces
         asked = pd.DataFrame([each.requested_row for each in self], index=forces.index)
         return pd.concat([forces, asked], axis=1)
+
+    @property
+    def have_requested_quantities(self) -> np.ndarray:
+        """Return which scenes have derivatives or outputs beside the force, (n,)."""
+        return self.derivatives.astype(bool) | self.outputs.astype(bool)
 
 
 # What stands in a column before it is known.

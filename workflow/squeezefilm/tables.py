@@ -236,7 +236,8 @@ def _read_table(
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
     problems: list[tuple[int, str]] = []
     for name in [each for each in columns_in_table_form(numbers, wanted) if each in wanted]:
-        cells, values = table[name].tolist(), table[name].map(number_of_cell).to_numpy(dtype=float)
+        cells = table[name].tolist()
+        values = np.array([*map(number_of_cell, cells)], dtype=float)
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             called = table.attrs.get(name, name)
             problem = f"{called} is {cells[row]!r}, not a finite number"
@@ -449,7 +450,7 @@ def _read_parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFr
 
 def number_of_cell(cell: Any) -> float:
     """The number in a cell; NaN where there is none, as in True or 1_000, which Python reads."""
-    if isinstance(cell, bool | np.bool_) or (isinstance(cell, str) and "_" in cell):
+    if "_" in cell if isinstance(cell, str) else isinstance(cell, bool | np.bool_):
         return nan
     try:
         return float(cell)

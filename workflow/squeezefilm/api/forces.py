@@ -385,7 +385,9 @@ def simulate_table(
             time_fractions = work / work.sum() if work.any() else np.full(len(work), 1 / len(work))
             write_times(rows[["point_id"]].assign(solve_s=wall * time_fractions))
             seconds += wall
-            for point_id, solution in zip(rows["point_id"], solutions, strict=True):
+            may_miss = (solutions.status != "ok") | solutions.have_requested_quantities
+            ids = rows["point_id"][may_miss]
+            for point_id, solution in zip(ids, solutions[may_miss], strict=True):
                 if reason := missing_quantity_reason(solution):
                     missing = incomplete if solution.status == "ok" else failures
                     missing.append(f"point {point_id}: {reason}")

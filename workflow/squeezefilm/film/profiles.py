@@ -27,6 +27,8 @@ from squeezefilm.sections import (
 )
 
 UNBOUNDED_SURFACE = Disc(inf)
+# A phase whose sine is itself, in place of zero.
+TINY_PHASE = 1e-20
 # Values of modes, points times modes, that are kept to be used again: 8 MB.
 MAX_CACHED_MODE_VALUES = 1_000_000
 
@@ -72,7 +74,12 @@ class Sinc(Profile):
     wave_number_per_m: Annotated[float, BoundedNumber("1/m", 0, 1e6, open=True)]
 
     def amplitude(self, *, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
-        return np.sinc(self.wave_number_per_m * np.hypot(x_m, y_m))
+        # The roots' speed matters: batches of forces take a third of the host's time here.
+        phase = np.asarray(x_m**2 + y_m**2)
+        np.sqrt(phase, out=phase)
+        phase *= np.pi * self.wave_number_per_m
+        np.maximum(phase, TINY_PHASE, out=phase)
+        return np.sin(phase) / phase
 
 
 @dataclass(frozen=True)

@@ -98,16 +98,17 @@ def pack_arrays(
     names = tuple(dict.fromkeys([*absent, *stages[-1]]))
     count = len(next(iter(stages[-1].values())))
     starts = np.full((len(stages), len(names)), ABSENT_INDEX)
-    rows, end = [], 0
+    places, end = [], 0
     for stage, arrays in enumerate(stages):
         for name, array in arrays.items():
-            row = array.reshape(count, -1)
+            size = array.size // count
             starts[stage, names.index(name)] = end
-            rows.append((slice(end, end + row.shape[1]), row))
-            end += -(-row.shape[1] // 4) * 4
+            places.append((slice(end, end + size), array))
+            end += -(-size // 4) * 4
     values = np.zeros((count, end))
-    for where, row in rows:
-        values[:, where] = row
+    for place, array in places:
+        # A view: only the rows are apart.
+        values[:, place].reshape(count, *array.shape[1:])[...] = array
     return PackedArrays(names, values, starts)
 
 

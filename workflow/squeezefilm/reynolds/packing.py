@@ -12,6 +12,7 @@ import numpy as np
 from squeezefilm.film.scene import PadPositions, Scenes
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.layout import PackedArrays, pack_arrays
+from squeezefilm.reynolds.spectral import AngleAxis, Axis
 from squeezefilm.reynolds.terms import Terms, distinct_term_sets, equation_numbers
 
 # Numbers of what is kept of the profile at some positions, where it is asked for again for many
@@ -115,21 +116,29 @@ def profile_fields(
     Each of shape (places, parts, nx, ny). Derivatives are those of the interpolating polynomial,
     lengths in units of the pad's x side.
     """
+    inner_x, inner_y = grid.x.inner_slice, grid.y.inner_slice
     length_x, length_y = grid.axis_lengths(aspect)
-    along_x = grid.x.derivative_matrix @ parts / length_x
-    along_y = parts @ grid.y.derivative_matrix.T / length_y
-    everywhere = {
-        "amplitude": parts,
-        "slope_x": along_x,
-        "slope_y": along_y,
-        "laplacian": grid.x.divergence_matrix @ along_x / length_x
-        + along_y @ grid.y.derivative_matrix.T / length_y,
+    along_x = _slope_and_second_derivative(grid.x, length_x) @ parts[..., inner_y]
+    along_y = parts[..., inner_x, :] @ _slope_and_second_derivative(grid.y, length_y).T
+    slope_x, second_x = np.split(along_x, 2, axis=-2)
+    slope_y, second_y = np.split(along_y, 2, axis=-1)
+    fields = {
+        "amplitude": parts[..., inner_x, inner_y],
+        "slope_x": slope_x,
+        "slope_y": slope_y,
+        "laplacian": second_x + second_y,
     }
-    inner = (..., grid.x.inner_slice, grid.y.inner_slice)
-    fields = {name: values[inner] for name, values in everywhere.items()}
     for term in terms:
         fields.update(term.profile_fields(parts, grid))
     return fields
+
+
+@lru_cache(maxsize=256)
+def _slope_and_second_derivative(axis: Axis | AngleAxis, length: float) -> np.ndarray:
+    """First and second derivatives where unknowns lie, below each other, from all nodes."""
+    slope = axis.derivative_matrix / length
+    second = axis.divergence_matrix @ slope / length
+    return np.concatenate([slope[axis.inner_slice], second[axis.inner_slice]])
 
 
 def mean_gap_components(parts: np.ndarray, grid: Grid) -> np.ndarray:
