@@ -14,7 +14,6 @@ from squeezefilm.film.measured.columns import (
     ALL_UNITS,
     COORDINATE_UNITS,
     ROW_STATUS_QUANTITIES,
-    ScanColumn,
     header_columns,
     header_with_unit_line,
     scan_column_of_cell,
@@ -156,12 +155,13 @@ def header_with_units(
         for match in LENGTH_UNIT_PATTERN.finditer(line)
     }
     for unit in units & ALL_UNITS:
-        columns = {column.column_index: column for column in header_columns(header)}
+        without_unit = {
+            column.column_index
+            for column in header_columns(header)
+            if column.quantity in ("x", "y", "r") and not column.unit
+        }
         header = [
-            f"{name} [{unit}]"
-            if at in columns and _is_coordinate_without_unit(columns[at])
-            else name
-            for at, name in enumerate(header)
+            f"{name} [{unit}]" if at in without_unit else name for at, name in enumerate(header)
         ]
     return header, index + 1
 
@@ -170,11 +170,6 @@ def _is_column_without_unit(name: str) -> bool:
     """Tell whether a column that a scan may have is without a unit."""
     column = scan_column_of_cell(name)
     return column is not None and not column.unit
-
-
-def _is_coordinate_without_unit(column: ScanColumn) -> bool:
-    """Tell whether a column is a coordinate without a unit."""
-    return column.quantity in ("x", "y", "r") and not column.unit
 
 
 def split_cells(line: str, separator: str) -> list[str]:
