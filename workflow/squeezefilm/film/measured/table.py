@@ -153,7 +153,8 @@ def read_point_table(
             raise InputError("; and ".join([*problems, *wants_of_points(points, remedies)]))
     needed = max(taken) + 1
     in_columns = at_frequency or any(
-        each.quantity == "frequency" for each in header_columns(header)
+        each.quantity == "frequency" and (each.size or not each.unit)
+        for each in header_columns(header)
     )
     lines, joined = lines_of_one_table(
         lines,
@@ -189,7 +190,9 @@ def read_point_table(
     if _has_component_sign(columns, table):
         table["sign"] = 1.0
     if rows is not None:
-        table, chosen = one_row_per_position(table, cells, settings, frequency_hz=frequency_hz)
+        table, chosen = one_row_per_position(
+            table, cells, settings, frequency_hz=frequency_hz, are_chosen=bool(rows)
+        )
         notes += chosen
     for column in motion:
         if column.power:
