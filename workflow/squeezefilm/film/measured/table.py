@@ -45,17 +45,20 @@ from squeezefilm.film.measured.columns import (
     UNITS_OF_SCAN_QUANTITY,
     ScanColumn,
     header_columns,
+    remedies_of_unused_columns,
     scan_column_of_cell,
     select_columns,
     unit_problems,
 )
 from squeezefilm.film.measured.header import (
     BLANK_SEPARATOR,
+    UNCERTAINTY_PATTERN,
     find_header,
     header_with_units,
     split_cells,
     wants_of_points,
 )
+from squeezefilm.film.measured.phases import reject_unclear_phases
 from squeezefilm.film.measured.scan import (
     FREQUENCY_NEEDED_MESSAGE,
     NO_REMEDIES,
@@ -81,7 +84,7 @@ MIN_COMPONENT_RATIO = 0.4
 USABLE_QUANTITIES = {*UNITS_OF_SCAN_QUANTITY, "normal"}
 PLAIN_NUMBER_PATTERN = re.compile(r"[-+]?[.,]?\d[\d.,]*(?:[eEdD][-+]?\d+)?$")
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
-WORD_LINE_PATTERN = re.compile(r"[^\W\d_]{2,}.*")
+WORD_LINE_PATTERN = re.compile(r"[(\[]?[^\W\d_]{2,}.*")
 RULED_LINE_PATTERN = re.compile(r"[-=*_\s]{3,}")
 
 
@@ -121,9 +124,17 @@ def read_point_table(
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.column_index for column in columns.values()}
-        understood = {each.name for each in header_columns(header) if each.quantity != "height"}
-        ignored = [repr(name) for name in header if name not in understood]
+        understood = {
+            each.column_index
+            for each in header_columns(header)
+            if each.quantity not in {*COORDINATE_UNITS, "height"}
+        }
+        ignored = [repr(name) for at, name in enumerate(header) if at not in taken | understood]
         beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
+        if not motion:
+            beside += "".join(
+                f"; {remedy}" for remedy in remedies_of_unused_columns(header, columns.values())
+            )
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         elsewhere, second = (
             _columns_of_second_table(lines, first, separator, columns)
@@ -169,6 +180,8 @@ def read_point_table(
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
+    uncertain = any(map(UNCERTAINTY_PATTERN.search, lines[first:]))
+    notes += ["uncertainties behind ± ignored"] * uncertain
     notes += [*at_frequency, *beside_rows]
     settings = [
         scan_column_of_cell(name, at) or ScanColumn("", "", None, at, name)
@@ -194,6 +207,8 @@ def read_point_table(
             table, cells, settings, frequency_hz=frequency_hz, are_chosen=bool(rows)
         )
         notes += chosen
+    with prefix_errors(f"line {index + 1}"):
+        reject_unclear_phases(table, columns, cells.loc[table.index], settings)
     for column in motion:
         if column.power:
             table[column.quantity] /= angular_frequency(frequency_hz) ** column.power
@@ -347,6 +362,8 @@ def _table_cells(
         if len(cells) != names:
             hint = "; decimal commas need another separator, such as semicolons"
             hint *= separator == "," and len(cells) > names
+            unlike = len(cells) == 1 and bool(re.search(r"\d[\s;,]+[-+]?\d", cells[0]))
+            hint += "; separate the rows' cells as the header's" * unlike
             raise InputError(
                 f"line {number}: {len(cells)} cells where the header has {names}{hint}"
             )
