@@ -348,7 +348,7 @@ def _motion_column_of_letter(name: str, place: int) -> ScanColumn | None:
 
 
 def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColumn]) -> list[str]:
-    """What columns may be that are not used where the amplitude is missing, as remedies."""
+    """Remedies for a missing amplitude, by the columns that are not used and may have it."""
     places = {each.column_index for each in used}
     unused = {at: name for at, name in enumerate(header) if at not in places}
     named = [each for each in header_columns(header) if each.column_index in unused]

@@ -20,12 +20,12 @@ MAX_WRAPPED_PHASE_RAD = 7.0
 
 
 def reject_unclear_phases(
-    table: Mapping[str, pd.Series],
+    table: pd.DataFrame,
     columns: Mapping[str, ScanColumn],
     cells: pd.DataFrame,
     others: Sequence[ScanColumn],
 ) -> None:
-    """Reject radians that are rather degrees, and phases from which another is to be subtracted.
+    """Reject radians that may be degrees, and phases from which another is to be subtracted.
 
     Args:
         table: quantities in SI units and radians.
@@ -61,6 +61,6 @@ def reject_unclear_phases(
 
 
 def _concentration(angles_rad: pd.Series, weights: np.ndarray | pd.Series) -> float:
-    """How much angles are one: 1 if they are, 0 if they lie all around."""
+    """Return the length of the mean of unit vectors: 1 of equal angles, 0 of angles all around."""
     total = float(np.sum(weights))
     return abs(complex(np.sum(weights * np.exp(1j * angles_rad)))) / total if total else 1.0
