@@ -571,6 +571,7 @@ def test_too_few_points_are_named_with_what_else_there_is(tmp_path):
     ("content", "message"),
     [
         ("$MeshFormat\n2.2 0 8\n", "x_mm, y_mm, uz_mm"),
+        ("Zygo XYZ Data File - Format 1\n0 0 1.2\n", "as a table: x_mm, y_mm, amplitude_um"),
         ("    1C\n    1UPGM  CalculiX\n", "x_mm, y_mm, uz_mm"),
         ("# vtk DataFile Version 3.0\nmode\nASCII\n", r"add units to its header: Points:0 \[m\]"),
     ],
