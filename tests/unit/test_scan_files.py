@@ -536,6 +536,8 @@ def test_rows_of_a_mode_are_those_near_the_actuators_frequency(tmp_path):
         same(read(path, "\n".join([f"mode,{header}", *rows]), rows="mode = 6"))
         with pytest.raises(InputError, match=r"30000 Hz, and the actuator vibrates at 43270 Hz"):
             read(path, "\n".join([f"mode,{header}", *rows]), rows="mode = 5")
+    near = text("x_mm,y_mm,FREQ,amplitude_um,phase_deg", X, Y, 0 * X + 42e3, abs(U), PHASE)
+    assert "rows at 42000 Hz in 'FREQ'" in read(path, near).notes
     drifting = text("x_mm,y_mm,f_hz,amplitude_um,phase_deg", X, Y, 3e4 + random, abs(U), PHASE)
     with pytest.raises(InputError, match="the actuator vibrates at 43270 Hz"):
         read(path, drifting)
@@ -559,6 +561,13 @@ def test_of_row_names_and_places_on_a_line_none_is_guessed(tmp_path):
     content = text("r_mm,uz_um", r, np.sinc(r / 9), 0 * r + 0.1)
     with pytest.raises(InputError, match="3 cells where the header has 2"):
         read(tmp_path / "scan.csv", content)
+    rows = [
+        f"P{at} {x:.9g} {y:.9g} {u:.9g} 0" for at, (x, y, u) in enumerate(zip(X, Y, U, strict=True))
+    ]
+    with pytest.raises(
+        InputError, match="the header has 4 names between blanks, and the rows below 5"
+    ):
+        read(tmp_path / "scan.csv", "\n".join(["name x_mm y_mm uz_um", *rows]))
 
 
 def test_too_few_points_are_named_with_what_else_there_is(tmp_path):

@@ -140,8 +140,8 @@ def _rows_at_frequency(
 ) -> tuple[pd.DataFrame, list[str]]:
     """The rows of the frequency nearest to the actuator's, and a note on it.
 
-    A column without a unit is in that one in which a frequency is near. Rows that are chosen may be
-    of a model's mode, whose frequency need not be the actuator's.
+    A column without a unit is in that one in which a frequency is near. A single frequency, or that
+    of chosen rows, may be of a model's mode, which need not be where the actuator's is.
     """
     values = parse_numbers(cells.loc[table.index, column.column_index])
     lines = values.dropna().unique()
@@ -156,7 +156,7 @@ def _rows_at_frequency(
     nearest = [nearest_spectral_line(size * lines, frequency_hz) for size in sizes]
     line_hz, far = next((line for line in nearest if not line[1]), nearest[0])
     is_near_mode = abs(line_hz / frequency_hz - 1) < MAX_MODE_DISTANCE_FRACTION
-    if far and not (is_near_mode and (are_chosen or not recurs)):
+    if far and not (is_near_mode and (are_chosen or len(lines) == 1)):
         unit = "" if column.size else "; write its unit, or leave it out if it is no frequency"
         raise InputError(f"column {column.name!r}: {far}{unit}")
     if not recurs:

@@ -88,8 +88,10 @@ def find_header(
             if not count:
                 continue
             row = split_cells(below, between)
-            if len(row) == len(cells) + 1 and _rows_have_names(
-                [lines[at] for at in plain if at > index], between, known
+            if (
+                len(row) == len(cells) + 1
+                and scan_column_of_cell(cells[0])
+                and _rows_have_names([lines[at] for at in plain if at > index], between, known)
             ):
                 cells = [ROW_NAMES, *cells]
             alike = len(cells) == len(row)
