@@ -23,40 +23,7 @@ SYSTEM_PATH = "/usr/sbin:/usr/bin:/sbin:/bin"
 USER = pwd.getpwuid(os.getuid()).pw_name
 PATIENCE_S = 20
 
-CONFIGURATION = """\
-ClusterName=private
-SlurmctldHost={host}(127.0.0.1)
-SlurmUser={user}
-SlurmdUser={user}
-SlurmctldPort={controller_port}
-SlurmdPort={node_port}
-AuthType=auth/munge
-CredType=cred/munge
-AuthInfo=socket={folder}/munge.socket
-CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
-StateSaveLocation={folder}/state
-SlurmdSpoolDir={folder}/spool
-SlurmctldPidFile={folder}/slurmctld.pid
-SlurmdPidFile={folder}/slurmd.pid
-ProctrackType=proctrack/linuxproc
-TaskPlugin=task/none
-SwitchType=switch/none
-MpiDefault=none
-JobAcctGatherType=jobacct_gather/none
-AccountingStorageType=accounting_storage/none
-JobCompType=jobcomp/filetxt
-JobCompLoc={folder}/jobs.txt
-SelectType=select/cons_tres
-SelectTypeParameters=CR_Core_Memory
-SchedulerParameters=batch_sched_delay=0
-EnforcePartLimits=ALL
-ReturnToService=2
-MinJobAge=300
-KillWait=5
-SlurmdParameters=config_overrides
-NodeName={host} NodeAddr=127.0.0.1 CPUs=3 RealMemory=16000 State=UNKNOWN
-PartitionName={partition} Nodes={host} Default=YES MaxTime=60 State=UP
-"""
+CONFIGURATION = Path(__file__).with_name("slurm.conf.in").read_text("utf-8")
 
 
 class NoSlurm(Exception):

@@ -10,15 +10,7 @@ from squeezefilm_workflow.paper.figures import FIGURES as PAPER_FIGURES
 from squeezefilm_workflow.reporting.figures import FIGURES
 from squeezefilm_workflow.verification.__main__ import COMMAND_GROUPS as VERIFICATION
 
-from .commands import (
-    BY_HAND,
-    ELSEWHERE,
-    NAMES,
-    SMALLER,
-    all_commands,
-    stages,
-    to_run,
-)
+from .commands import BY_HAND, ELSEWHERE, NAMES, SMALLER, all_commands, stages, to_run
 
 
 @pytest.fixture(scope="module")

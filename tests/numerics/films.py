@@ -16,6 +16,8 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import PeriodicStates, solve_batch
 from squeezefilm.reynolds.plan import solve_plan_of
+from squeezefilm.reynolds.solver import solve
+from squeezefilm.solution import Solution
 
 SINC = Sinc(wave_number_per_m=109.8)
 PISTON = Piston()
@@ -58,6 +60,31 @@ def film(
     )
 
 
+def at_reynolds(scene: Scene, reynolds: float) -> Scene:
+    """The scene with the density that gives it a modified Reynolds number."""
+    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
+    return scene.with_gas(density_kg_per_m3=density)
+
+
+def with_pad(scene: Scene, **changes: Any) -> Scene:
+    """The scene with another shape, gap or speed of its pad."""
+    return replace(scene, pad=replace(scene.pad, **changes))
+
+
+def solved(
+    scene: Scene, *, tolerance: float = 1e-6, method: str = "periodic", **how: Any
+) -> Solution:
+    """The solution of a scene that has one."""
+    (solution,) = solve([scene], tolerance=tolerance, method=method, **how)
+    assert solution.status == "ok"
+    return solution
+
+
+def mean(scene: Scene, *, tolerance: float = 1e-6, method: str = "periodic") -> float:
+    """Mean overpressure over pad and period."""
+    return solved(scene, tolerance=tolerance, method=method).force_n / scene.force_scale_n
+
+
 def periodic_state(
     scene: Scene, *, points: int, instants: int, fold: bool = False, tolerance: float = 1e-10
 ) -> tuple[Grid, PeriodicStates]:
@@ -76,6 +103,20 @@ def mean_overpressure(
     )
     assert states.status_indices[0] == 0
     return float(states.mean_pressure_ratio[0])
+
+
+def spring_and_damping(scene: Scene, *, points: int) -> tuple[float, float]:
+    """Spring and damping numbers S, D of a film, from its force at a small amplitude."""
+    grid, states = periodic_state(scene, points=points, instants=8)
+    force = np.einsum(
+        "xyt,x,y->t",
+        states.gauge_pressure_ratio[0],
+        grid.x.quadrature_weights,
+        grid.y.quadrature_weights,
+    )
+    spring = -2 * np.mean(force * np.sin(grid.t.nodes)) / scene.epsilon
+    damping = -2 * np.mean(force * np.cos(grid.t.nodes)) / scene.epsilon
+    return float(spring), float(damping)
 
 
 def limit(
@@ -117,11 +158,3 @@ class AsTheGap:
         pad = self.scene.pad
         rise_m = pad.gap.rise_m(x_m / pad.length_x_m + 0.5, y_m / pad.length_y_m + 0.5)
         return 1 + rise_m / self.scene.h0_m
-
-
-def saying(states: PeriodicStates, **values: np.ndarray) -> PeriodicStates:
-    """States of which something else is said."""
-    said = states.result_rows.copy()
-    for name, each in values.items():
-        said[name] = each
-    return replace(states, result_rows=said)

@@ -57,7 +57,7 @@ def moved_by_leaving_out(
     """
     choices = resolve_auto_terms(scenes, model_tolerance=model_tolerance, device=choose_device())
     without = [scene for scene in choices if getattr(scene.gas, term) == "none"]
-    beside = [replace(each, gas=replace(each.gas, **{term: "included"})) for each in without]
+    beside = [each.with_gas(**{term: "included"}) for each in without]
     neglected, included = (
         np.array([each.force_n for each in solve(some, tolerance=1e-4, method="periodic")])
         for some in (without, beside)

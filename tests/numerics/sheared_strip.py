@@ -311,24 +311,26 @@ def resolved(strip: Strip) -> tuple[Film, list[np.ndarray]]:
     return film, [part.reshape(field.shape) for part, field in zip(parts, fields, strict=True)]
 
 
+def between(random: np.random.Generator, least: float, most: float) -> float:
+    """A number that is uniform in its logarithm."""
+    return float(np.exp(random.uniform(np.log(least), np.log(most))))
+
+
 def random_strip(seed: int) -> Strip:
     """A strip whose nodes resolve the layer at the inlet in which gas warms; a third vibrates."""
     random = np.random.default_rng(seed)
 
-    def between(least: float, most: float) -> float:
-        return float(np.exp(random.uniform(np.log(least), np.log(most))))
-
     while True:
         vibrates = random.uniform() < 0.35
-        bearing = between(0.03, 10) * random.choice([-1, 1])
+        bearing = between(random, 0.03, 10) * random.choice([-1, 1])
         level = vibrates and random.uniform() < 0.4
         tilt = 0.0 if level else random.uniform(0.2, 1.3) * random.choice([-1, 1])
-        shear_reynolds = between(0.05, 2) / (1 + abs(bearing))
+        shear_reynolds = between(random, 0.05, 2) / (1 + abs(bearing))
         if shear_reynolds < (0.08 if vibrates else 0.05):
             continue
         sigma, epsilon, reynolds = 2 * abs(bearing), 0.0, shear_reynolds
         if vibrates:
-            sigma = between(5, 300)
+            sigma = between(random, 5, 300)
             epsilon = random.uniform(0.1, 0.6) * (1 - abs(tilt) / 2)
             reynolds = shear_reynolds * sigma / (2 * abs(bearing))
             if reynolds > 3 or epsilon * reynolds > 1:
@@ -342,15 +344,12 @@ def vibrating_strip(seed: int) -> Strip:
     """A strip that vibrates, most of them hardly, under a pad that may slide fast."""
     random = np.random.default_rng(seed)
 
-    def between(least: float, most: float) -> float:
-        return float(np.exp(random.uniform(np.log(least), np.log(most))))
-
     while True:
-        bearing = between(0.5, 10) * random.choice([-1, 1])
+        bearing = between(random, 0.5, 10) * random.choice([-1, 1])
         tilt = random.uniform(0.1, 1.2) * random.choice([-1, 1])
-        shear_reynolds = between(0.08, 1.5) / (1 + abs(bearing))
-        sigma = between(5, 300)
-        epsilon = between(0.003, 0.6) * (1 - abs(tilt) / 2)
+        shear_reynolds = between(random, 0.08, 1.5) / (1 + abs(bearing))
+        sigma = between(random, 5, 300)
+        epsilon = between(random, 0.003, 0.6) * (1 - abs(tilt) / 2)
         reynolds = shear_reynolds * sigma / (2 * abs(bearing))
         if 0.3 < reynolds < 8 and epsilon * reynolds < 1:
             heating = (1 - 1 / 1.4) * 0.71 * reynolds

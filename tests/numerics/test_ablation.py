@@ -6,9 +6,7 @@ from squeezefilm.reynolds.device import DEVICE_ENV_VARIABLE, choose_device
 from squeezefilm_workflow.verification.ablation import ablation_table
 
 
-def test_what_is_put_back_changes_no_force_and_is_solved_on_that_device(
-    monkeypatch,
-):
+def test_what_is_put_back_changes_no_force_and_is_solved_on_that_device(monkeypatch):
     device = choose_device()
     monkeypatch.setenv(DEVICE_ENV_VARIABLE, "no such device")
     scenes = [film(epsilon=0.2, sigma=583.0)]

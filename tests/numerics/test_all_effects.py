@@ -1,11 +1,13 @@
 """Modelling errors hold what all neglected effects, solved for together, change of a force."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
-from films import PISTON, film
+from films import PISTON, at_reynolds, film, solved, with_pad
 
 from squeezefilm.film.pad import Pad
 from squeezefilm.film.profiles import BesselMode
@@ -41,68 +43,60 @@ def test_a_modelling_error_holds_all_effects_together(seed: int) -> None:
     assert row.solved_upper_percent <= upper + row.solved_error_percent
 
 
-def heavier(scene: Scene, reynolds: float) -> Scene:
-    """A scene whose gas has the density of a Reynolds number."""
-    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
-    return scene.with_gas(density_kg_per_m3=density)
-
-
 @pytest.mark.parametrize(
     ("aspect", "shape", "x"),
     [(0.7, "rectangle", 0.1), (1.4, "rectangle", 0.0), (0.7, "ellipse", 0.1)],
 )
 def test_the_solver_has_the_forces_of_an_independent_program(aspect, shape, x):
     terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
-    scene = heavier(film(epsilon=0.4, sigma=60.0, x=x, aspect=aspect, **terms), 3.0)
-    scene = replace(scene, pad=replace(scene.pad, shape=shape))
+    scene = at_reynolds(film(epsilon=0.4, sigma=60.0, x=x, aspect=aspect, **terms), 3.0)
+    scene = with_pad(scene, shape=shape)
     (solution,) = solve([scene], tolerance=1e-4)
     force_n = force_on_grid(scene, Effects(slip="first-order"), points=20, instants=17)
     assert solution.force_n == pytest.approx(force_n, rel=2e-4)
 
 
+def edge_changes(
+    scene: Scene, laws: Sequence[tuple[float, float, float]], *, tolerance: float
+) -> np.ndarray:
+    """A force's changes by laws of the edge, and their errors."""
+    states = [solved(scene, tolerance=tolerance, keep_states=True)]
+    return edge_effect_changes([scene], states, laws=laws, device=choose_device())[..., 0]
+
+
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_a_small_edge_loss_is_that_of_first_order(shape):
-    scene = heavier(film(epsilon=0.4, sigma=60.0, profile=PISTON, aspect=0.7), 0.02)
-    scene = replace(scene, pad=replace(scene.pad, shape=shape))
+    scene = at_reynolds(film(epsilon=0.4, sigma=60.0, profile=PISTON, aspect=0.7), 0.02)
+    scene = with_pad(scene, shape=shape)
     plain = Effects(inertia=False, thermal=False, slip="none")
     both = [plain, replace(plain, edge_loss_coefficient=1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=24, instants=17)
-    (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    changes, _ = edge_effect_changes(
-        [scene], [solution], laws=SEPARATE_LAWS, device=choose_device()
-    )
-    assert changes[0, 0] == pytest.approx(having_n / without_n - 1, rel=0.02)
+    changes, _ = edge_changes(scene, SEPARATE_LAWS, tolerance=1e-3)
+    assert changes[0] == pytest.approx(having_n / without_n - 1, rel=0.02)
 
 
 def test_the_edge_loss_of_a_film_that_newton_follows_in_shorter_steps_alone():
     """A disc with a node at its rim: from no loss to the whole one Newton's method diverges."""
     terms = {"inertia": "included", "thermal": "included", "rarefaction": "slip"}
     scene = random_scene(31).with_gas(**terms)
-    (solution,) = solve([scene], tolerance=1e-3, method="periodic", keep_states=True)
-    changes, errors = edge_effect_changes(
-        [scene], [solution], laws=SEPARATE_LAWS, device=choose_device()
-    )
+    changes, errors = edge_changes(scene, SEPARATE_LAWS, tolerance=1e-3)
     both = [Effects(slip="first-order", edge_loss_coefficient=each) for each in (0.0, 1.0)]
     without_n, having_n = forces_on_grid(scene, both, points=64, instants=21)
-    assert changes[0, 0] == pytest.approx(having_n / without_n - 1, abs=errors[0, 0])
+    assert changes[0] == pytest.approx(having_n / without_n - 1, abs=errors[0])
 
 
 @pytest.mark.parametrize("inertia", ["none", "included"])
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_flow_around_the_edge_is_that_of_an_independent_program(shape, inertia):
     """Alone, and together with the edge loss."""
-    scene = heavier(film(epsilon=0.5, sigma=200.0, profile=PISTON, inertia=inertia), 2.0)
-    scene = replace(scene, pad=replace(scene.pad, shape=shape))
+    scene = at_reynolds(film(epsilon=0.5, sigma=200.0, profile=PISTON, inertia=inertia), 2.0)
+    scene = with_pad(scene, shape=shape)
     plain = Effects(inertia=inertia == "included", thermal=False, slip="none")
     around = replace(plain, edge_flow=True)
     films = [plain, around, replace(around, edge_loss_coefficient=1.0)]
     without_n, around_n, both_n = forces_on_grid(scene, films, points=28, instants=21)
-    (solution,) = solve([scene], tolerance=1e-4, method="periodic", keep_states=True)
-    how = {"device": choose_device()}
-    (*_, alone), _ = edge_effect_changes([scene], [solution], laws=SEPARATE_LAWS, **how)[..., 0]
-    (together, _, *parts), errors = edge_effect_changes(
-        [scene], [solution], laws=JOINT_LAWS, **how
-    )[..., 0]
+    (*_, alone), _ = edge_changes(scene, SEPARATE_LAWS, tolerance=1e-4)
+    (together, _, *parts), errors = edge_changes(scene, JOINT_LAWS, tolerance=1e-4)
     error = errors.sum()
     assert alone == pytest.approx(around_n / without_n - 1, abs=error)
     assert sum(parts) == pytest.approx(alone, abs=error)

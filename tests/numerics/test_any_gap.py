@@ -5,7 +5,16 @@ from math import cos, log, pi, sin
 
 import numpy as np
 import pytest
-from films import PISTON, AsTheGap, expansion_of, film, mean_overpressure, periodic_state
+from films import (
+    PISTON,
+    AsTheGap,
+    expansion_of,
+    film,
+    mean,
+    mean_overpressure,
+    periodic_state,
+    with_pad,
+)
 from physics_facts import fast_piston
 
 from squeezefilm.film.pad import GapShape
@@ -34,13 +43,7 @@ def begun_later(angle: float) -> QuadratureProfile:
 
 
 def shaped(scene: Scene, gap: GapShape = SHAPE) -> Scene:
-    return replace(scene, pad=replace(scene.pad, gap=gap))
-
-
-def mean(scene: Scene, *, tolerance: float = 1e-6, method: str = "periodic") -> float:
-    (solution,) = solve([scene], tolerance=tolerance, method=method)
-    assert solution.status == "ok"
-    return solution.force_n / scene.force_scale_n
+    return with_pad(scene, gap=gap)
 
 
 @dataclass(frozen=True)
@@ -170,9 +173,9 @@ def test_small_motion_in_two_phases_has_its_second_order():
 def test_the_budget_is_of_the_scene_itself():
     """The budget's inertia beside inertia solved for, where it is small."""
     scene = shaped(film(epsilon=0.3, sigma=300.0, x=0.1, profile=TWO_MODES))
-    scene = replace(scene, gas=replace(scene.gas, density_kg_per_m3=0.05))
+    scene = scene.with_gas(density_kg_per_m3=0.05)
     (budget,) = error_budgets([scene])
     assert budget.status == "ok"
-    inert = replace(scene, gas=replace(scene.gas, inertia="included"))
+    inert = scene.with_gas(inertia="included")
     change = mean(inert, tolerance=1e-5) / mean(scene) - 1
     assert budget.effects["inertia"].percent == pytest.approx(100 * change, rel=0.03)

@@ -8,7 +8,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from films import PISTON, film
+from films import PISTON, at_reynolds, film, with_pad
 from periodic_strip import PeriodicStrip
 
 from squeezefilm.film.scene import Scene
@@ -28,10 +28,6 @@ from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.periodic import refinement
 
 
-def slipping(scene: Scene, rarefaction: str = "slip") -> Scene:
-    return replace(scene, gas=replace(scene.gas, rarefaction=rarefaction))
-
-
 @pytest.mark.parametrize(("epsilon", "sigma", "reynolds"), [(0.5, 200.0, 1.0), (0.8, 60.0, 4.0)])
 def test_the_edge_loss_is_that_of_a_strip_at_every_order(
     epsilon: float, sigma: float, reynolds: float
@@ -43,8 +39,7 @@ def test_the_edge_loss_is_that_of_a_strip_at_every_order(
     lossless, losses = [], []
     for aspect in (4.0, 8.0):
         scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
-        density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
-        scene = scene.with_gas(density_kg_per_m3=density)
+        scene = at_reynolds(scene, reynolds)
         (solution,) = solve([scene], tolerance=1e-4, method="periodic", keep_states=True)
         changes, _ = edge_effect_changes(
             [scene], [solution], laws=SEPARATE_LAWS, device=choose_device()
@@ -109,7 +104,8 @@ def test_slip_with_the_flow_factor_is_the_difference_of_two_forces() -> None:
     for knudsen in (3e-2, 3e-3, 3e-4):
         scene = film(epsilon=0.4, sigma=583.0, knudsen=knudsen)
         without, having = (
-            each.force_n for each in solve([scene, slipping(scene, "fukui-kaneko")], tolerance=1e-9)
+            each.force_n
+            for each in solve([scene, scene.with_gas(rarefaction="fukui-kaneko")], tolerance=1e-9)
         )
         true = 100 * (having / without - 1)
         (found,) = error_budgets([scene])
@@ -117,7 +113,7 @@ def test_slip_with_the_flow_factor_is_the_difference_of_two_forces() -> None:
         assert slip.percent + factor.percent == pytest.approx(true, abs=4e-3)
         # First-order slip with the flow of a gap at rest leaves little.
         assert abs(factor.percent) < 0.05 * abs(slip.percent) + factor.error_percent
-        (included,) = error_budgets([slipping(scene, "fukui-kaneko")])
+        (included,) = error_budgets([scene.with_gas(rarefaction="fukui-kaneko")])
         assert included.effects["slip"].included
         assert included.effects["flow_factor"].percent == 0
         assert not slip.included
@@ -125,7 +121,7 @@ def test_slip_with_the_flow_factor_is_the_difference_of_two_forces() -> None:
 
 def test_what_first_order_slip_lacks_is_the_difference_to_the_flow_factor() -> None:
     """Fukui and Kaneko's factor is 1.1466 times slip where the gas is dense."""
-    scene = slipping(film(epsilon=0.4, sigma=583.0, knudsen=3e-3))
+    scene = film(epsilon=0.4, sigma=583.0, knudsen=3e-3, rarefaction="slip")
     (found,) = error_budgets([scene])
     slip, factor = found.effects["slip"], found.effects["flow_factor"]
     assert slip.included
@@ -135,15 +131,15 @@ def test_what_first_order_slip_lacks_is_the_difference_to_the_flow_factor() -> N
 
 def test_an_effect_beside_the_flow_factor_holds_its_part_of_a_slipping_film() -> None:
     """Inertia is solved with first-order slip there, and its change over that force counts too."""
-    scene = slipping(film(epsilon=0.3, sigma=1000.0, knudsen=2e-2), "fukui-kaneko")
+    scene = film(epsilon=0.3, sigma=1000.0, knudsen=2e-2, rarefaction="fukui-kaneko")
     (budget,) = error_budgets([scene])
     inertia = budget.effects["inertia"]
     before, after = (
         each.force_n
         for each in solve(
             [
-                slipping(scene, "slip"),
-                slipping(scene, "slip").with_gas(inertia="included"),
+                scene.with_gas(rarefaction="slip"),
+                scene.with_gas(rarefaction="slip", inertia="included"),
             ],
             tolerance=1e-7,
         )
@@ -155,7 +151,7 @@ def test_an_effect_beside_the_flow_factor_holds_its_part_of_a_slipping_film() ->
 
 def test_the_bearing_term_is_what_the_solver_puts_in() -> None:
     scene = film(epsilon=0.4, sigma=583.0, x=0.2, bearing=0.5)
-    at_rest = replace(scene, pad=replace(scene.pad, speed_x_m_per_s=0.0))
+    at_rest = with_pad(scene, speed_x_m_per_s=0.0)
     having, without = solve([scene, at_rest], tolerance=1e-8)
     (found,) = error_budgets([scene])
     assert found.effects["bearing"].included
@@ -166,7 +162,7 @@ def test_the_bearing_term_is_what_the_solver_puts_in() -> None:
 
 def test_what_is_not_known_has_no_number(scene: Scene) -> None:
     at_rest = replace(scene, hv_m=0.0)
-    adiabatic = replace(scene, gas=replace(scene.gas, polytropic_exponent=1.4))
+    adiabatic = scene.with_gas(polytropic_exponent=1.4)
     still, heated = error_budgets([at_rest, adiabatic])
     assert still.status != "ok"
     assert all(isnan(each.percent) for each in still.effects.values())

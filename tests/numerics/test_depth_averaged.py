@@ -11,10 +11,7 @@ from stored_strip import strip_force
 
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Scene
-from squeezefilm.quantities.model_error import (
-    DEPTH_AVERAGING_FILE,
-    depth_averaging_change_percent,
-)
+from squeezefilm.quantities.model_error import DEPTH_AVERAGING_FILE, depth_averaging_change_percent
 from squeezefilm.reynolds import solve
 from squeezefilm_workflow.verification.second_order import (
     depth_averaged_force,

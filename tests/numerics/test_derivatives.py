@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from films import PISTON, film
+from films import PISTON, at_reynolds, film, with_pad
 from random_scenes import random_films, shares
 
 from squeezefilm.cli.main import main
@@ -35,7 +35,7 @@ def changed(scene: Scene, number: str, by: float) -> Scene:
     """As ``module.moved`` does, along the actuator's axes."""
     if hasattr(scene, number):
         return replace(scene, **{number: getattr(scene, number) + by})
-    return replace(scene, gas=replace(scene.gas, **{number: getattr(scene.gas, number) + by}))
+    return scene.with_gas(**{number: getattr(scene.gas, number) + by})
 
 
 def step_of(scene: Scene, number: str) -> float:
@@ -60,7 +60,7 @@ def quotient(scene: Scene, number: str) -> float:
 
 
 def under_ellipse(scene: Scene) -> Scene:
-    return replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    return with_pad(scene, shape="ellipse")
 
 
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
@@ -103,7 +103,7 @@ def test_derivatives_are_quotients_of_forces_simulated_anew(name: str) -> None:
 
 def test_places_are_along_the_actuator_s_axes_however_the_pad_is_turned() -> None:
     plain = FILMS["off the centre"]
-    turned = replace(plain, pad=replace(plain.pad, length_y_m=0.006, rotation_deg=30.0))
+    turned = with_pad(plain, length_y_m=0.006, rotation_deg=30.0)
     found = derivatives(turned, tolerance=1e-5)
     for number in ("x_m", "y_m"):
         assert found.value[number] == pytest.approx(quotient(turned, number), rel=1e-3)
@@ -184,9 +184,7 @@ def test_a_gas_with_inertia_and_thermal_effects_has_derivatives() -> None:
 def test_derivatives_with_thermal_effects_are_those_of_a_tight_tolerance(reynolds: float) -> None:
     """A film beside another is a short step away, which one linear system does not take whole."""
     scene = film(epsilon=0.13, sigma=100.0, profile=PISTON, inertia="included", thermal="included")
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
-    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
-    heavy = scene.with_gas(density_kg_per_m3=density)
+    heavy = with_pad(at_reynolds(scene, reynolds), shape="ellipse")
     some, closer = (derivatives(heavy, tolerance=tolerance) for tolerance in (1e-3, 1e-6))
     for number, ratios in shares([some], [closer]).items():
         assert max(ratios) < 0.3, number
@@ -198,7 +196,7 @@ def test_derivatives_with_thermal_effects_are_those_of_a_tight_tolerance(reynold
 def test_step_of_a_difference_is_in_the_error(guard: str, value: float, monkeypatch) -> None:
     """Of a film that all but touches, at a tight tolerance; with another guard it is not."""
     scene = film(epsilon=0.9, sigma=5.0, profile=PISTON)
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
+    scene = with_pad(scene, shape="ellipse")
     how = {"tolerance": 1e-7}
     solutions = solve([scene], tolerance=1e-7, method="periodic", keep_states=True)
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from films import PISTON, film
+from films import PISTON, at_reynolds, film, mean, solved, with_pad
 from resolved_disc import resolved_second_order
 from test_outlines import WAVE, curved, ellipse_mm
 
@@ -17,7 +17,6 @@ from squeezefilm.quantities.model_error import (
     resolve_auto_terms,
 )
 from squeezefilm.quantities.outputs import with_outputs
-from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
@@ -34,19 +33,7 @@ BOTH = {"inertia": "included", "thermal": "included"}
 def ellipse(reynolds: float, **numbers: object) -> Scene:
     """Under a disc, or an ellipse of the aspect, with inertia unless said."""
     scene = film(**{"inertia": "included", "profile": PISTON} | numbers)  # type: ignore[arg-type]
-    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
-    scene = scene.with_gas(density_kg_per_m3=density)
-    return replace(scene, pad=replace(scene.pad, shape="ellipse"))
-
-
-def solved(scene: Scene, *, tolerance: float, **how: object) -> Solution:
-    (solution,) = solve([scene], tolerance=tolerance, method="periodic", **how)  # type: ignore[arg-type]
-    assert solution.status == "ok"
-    return solution
-
-
-def mean(scene: Scene, *, tolerance: float = 1e-5) -> float:
-    return solved(scene, tolerance=tolerance).force_n / scene.force_scale_n
+    return with_pad(at_reynolds(scene, reynolds), shape="ellipse")
 
 
 def alone(scene: Scene, *, edge_coefficient: float = 0.0) -> float:
@@ -78,7 +65,7 @@ def test_errors_fall_through_the_foci():
     scene = ellipse(2.0, epsilon=0.4, sigma=300.0)
     expected, length_m = alone(scene), scene.pad.length_x_m
     # So little longer that it has an angle.
-    scene = replace(scene, pad=replace(scene.pad, length_y_m=(1 + 1e-12) * length_m))
+    scene = with_pad(scene, length_y_m=(1 + 1e-12) * length_m)
     pad = scene.pad.smooth_outline
     errors = [
         abs(
@@ -142,7 +129,7 @@ def test_estimates_hold_with_inertia_heat_and_sliding():
     scenes = [
         ellipse(2.0, epsilon=0.5, sigma=2000.0, aspect=0.5, profile=WAVE, **off),
         ellipse(1.0, epsilon=0.6, sigma=30.0, aspect=1.4, x=0.1, thermal="included"),
-        replace(waves, pad=replace(waves.pad, gap=tilted)),
+        with_pad(waves, gap=tilted),
         ellipse(1.0, epsilon=0.6, sigma=100.0, inertia="none", bearing=100.0, aspect=0.7, **off),
     ]
     rough, fine = (solve(scenes, tolerance=tolerance) for tolerance in (1e-3, 1e-4))
@@ -162,14 +149,14 @@ def test_estimates_hold_with_inertia_heat_and_sliding():
 def test_a_sliding_ellipse_has_the_force_of_finite_elements(numbers, expected):
     """Good to about 1e-4, as of the patch in test_outlines.py; along −x it is as well mirrored."""
     scene = film(epsilon=0.4, sigma=100.0, **numbers)
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"))
-    assert mean(scene) == pytest.approx(expected, rel=1e-4)
+    scene = with_pad(scene, shape="ellipse")
+    assert mean(scene, tolerance=1e-5) == pytest.approx(expected, rel=1e-4)
     still, back = (
-        replace(scene, pad=replace(scene.pad, speed_x_m_per_s=share * scene.pad.speed_x_m_per_s))
-        for share in (0.0, -1.0)
+        with_pad(scene, speed_x_m_per_s=share * scene.pad.speed_x_m_per_s) for share in (0.0, -1.0)
     )
-    assert mean(still) != pytest.approx(expected, rel=2e-3)
-    assert mean(replace(back, x_m=-scene.x_m)) == pytest.approx(mean(scene), rel=1e-5)
+    assert mean(still, tolerance=1e-5) != pytest.approx(expected, rel=2e-3)
+    other, own = mean(replace(back, x_m=-scene.x_m), tolerance=1e-5), mean(scene, tolerance=1e-5)
+    assert other == pytest.approx(own, rel=1e-5)
 
 
 def test_the_budget_of_an_ellipse_is_its_own():
@@ -195,10 +182,10 @@ def test_the_budget_of_an_ellipse_is_its_own():
 
 def test_momentum_that_leaves_over_an_outline_turns_with_it(tmp_path):
     scene = ellipse(1.0, epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE, x=0.05)
-    scene = replace(scene, pad=replace(scene.pad, rotation_deg=30.0))
+    scene = with_pad(scene, rotation_deg=30.0)
     half = np.hypot(np.array([0.75, 0.25]) ** 0.5, 0.6 * np.array([0.25, 0.75]) ** 0.5)
     sides_m = tuple(scene.pad.length_x_m * half)
-    flat = replace(scene, pad=replace(scene.pad, rotation_deg=0.0))
+    flat = with_pad(scene, rotation_deg=0.0)
     scenes = [scene, curved(flat, tmp_path, ellipse_mm(scene, 30.0), sides_m)]
     scenes += [each.with_gas(inertia="none") for each in scenes]
     forces = [solved(each, tolerance=1e-3, keep_states=True) for each in scenes]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from films import PISTON, SINC, film, mean_overpressure
+from films import PISTON, SINC, at_reynolds, film, mean_overpressure
 from numpy.linalg import solve as solve_linear
 from random_scenes import moved_by_leaving_out, random_scenes
 from stored_strip import strip_force
@@ -32,21 +32,16 @@ from squeezefilm_workflow.verification.numpy_periodic import chebyshev_grid
 def moving(reynolds: float, **numbers: object) -> Scene:
     """A scene with inertia, if nothing else is given, by its modified Reynolds number."""
     scene = film(**{"inertia": "included"} | numbers)  # type: ignore[arg-type]
-    density = scene.gas.density_kg_per_m3 * reynolds / scene.modified_reynolds
-    return with_gas(scene, density_kg_per_m3=density)
-
-
-def with_gas(scene: Scene, **gas: object) -> Scene:
-    return replace(scene, gas=replace(scene.gas, **gas))  # type: ignore[arg-type]
+    return at_reynolds(scene, reynolds)
 
 
 def still(scene: Scene) -> Scene:
-    return with_gas(scene, inertia="none")
+    return scene.with_gas(inertia="none")
 
 
 def thermal_percent(scene: Scene, *, tolerance: float) -> float:
     """Change of the force by thermal effects."""
-    with_it, without = forces([scene, with_gas(scene, thermal="none")], tolerance=tolerance)
+    with_it, without = forces([scene, scene.with_gas(thermal="none")], tolerance=tolerance)
     return 100 * float(with_it / without - 1)
 
 
@@ -146,7 +141,7 @@ def test_the_middle_of_a_long_pad_is_the_strip(
 
 def test_forces_of_the_paper_s_pad(scene: Scene) -> None:
     """Forces by a program written apart from this solver."""
-    included = replace(scene, gas=replace(scene.gas, inertia="included"))
+    included = scene.with_gas(inertia="included")
     wide = replace(included, h0_m=10e-6, hv_m=2e-6)
     solved = solve([included, wide], tolerance=1e-5)
     assert [each.force_n for each in solved] == pytest.approx([0.981542, 0.200885], rel=1e-5)
@@ -250,7 +245,7 @@ def test_whole_axes_bear_as_much_as_folded_ones() -> None:
 def test_a_little_heat_moves_the_force_by_the_first_order(numbers: dict[str, object]) -> None:
     """Beside slip too: its jump of temperature makes 30 % of the effect here."""
     scene = moving(0.01, thermal="included", epsilon=0.4, **numbers)
-    (budget,) = error_budgets([with_gas(scene, thermal="none", inertia="none")])
+    (budget,) = error_budgets([scene.with_gas(thermal="none", inertia="none")])
     found = thermal_percent(scene, tolerance=1e-8)
     assert found == pytest.approx(budget.effects["thermal"].percent, rel=0.015)
 
@@ -273,7 +268,7 @@ def test_the_jump_of_temperature_is_that_of_a_gas_that_conducts_across_the_gap(
 ) -> None:
     """Warming to round-off, its lag to first order in the jump, what is missed no more than 6j²."""
     scene = film(epsilon=0.2, sigma=200.0, thermal="included", knudsen=knudsen or 1e-12)
-    scene = with_gas(scene, rarefaction="slip")
+    scene = scene.with_gas(rarefaction="slip")
     numbers = {name: float(value) for name, value in Thermal().equation_numbers(scene).items()}  # type: ignore[arg-type]
     jump = 2 * 1.4 / (2.4 * 0.71) * knudsen
     at_rest, slow = (mean_warmth(rate, jump) for rate in (0.0, 1e-4j))
@@ -295,9 +290,7 @@ def test_grids_converge_to_the_force_with_heat() -> None:
 
 @pytest.mark.parametrize("gas", [{"prandtl": 1e-3}, {"heat_capacity_ratio": 1.0}])
 def test_without_heat_s_numbers_the_force_is_the_isothermal_one(gas: dict[str, float]) -> None:
-    scene = with_gas(
-        moving(1.0, thermal="included", epsilon=0.4, sigma=583.0, inertia="included"), **gas
-    )
+    scene = moving(1.0, thermal="included", epsilon=0.4, sigma=583.0).with_gas(**gas)
     # Friction and compression warm in proportion to Pr (γ − 1)/γ.
     assert abs(thermal_percent(scene, tolerance=1e-7)) < 1e-3
 
@@ -319,11 +312,11 @@ def test_what_auto_leaves_out_moves_no_force_by_more_than_allowed(
 def test_near_contact_auto_decides_in_less_time_than_a_solve_takes() -> None:
     """A part of 20 × 10 mm, 0.16 µm off a piston of 2 µm: thin layers, and a gap that closes."""
     scene = moving(0.04, epsilon=0.93, sigma=23000.0, profile=PISTON, aspect=0.5)
-    both = with_gas(scene, thermal="included")
+    both = scene.with_gas(thermal="included")
     solve([both], tolerance=1e-3)  # compiles the kernels
     times_s = []
     for work in (
-        lambda: resolve_auto_terms([with_gas(scene, inertia="auto", thermal="auto")]),
+        lambda: resolve_auto_terms([scene.with_gas(inertia="auto", thermal="auto")]),
         lambda: solve([both], tolerance=1e-3),
     ):
         start = time.process_time()
@@ -336,7 +329,7 @@ def test_auto_excludes_a_term_that_changes_the_force_by_little_less_than_the_tol
     auto = moving(0.075, inertia="auto", thermal="auto", epsilon=0.53, sigma=11.0)
     (scene,) = resolve_auto_terms([auto])
     assert (scene.gas.inertia, scene.gas.thermal) == ("included", "none")
-    without, both = solve([scene, with_gas(scene, thermal="included")], tolerance=1e-5)
+    without, both = solve([scene, scene.with_gas(thermal="included")], tolerance=1e-5)
     assert 0.9 < abs(without.force_n / both.force_n - 1) / AUTO_TERM_TOLERANCE < 1
 
 
@@ -351,5 +344,5 @@ def test_auto_keeps_a_term_whose_change_passes_through_zero_beyond_its_limit() -
     decided = resolve_auto_terms(scenes)
     assert [scene.gas.thermal for scene in decided] == ["included"] * 3
     assert all("thermal effects included" in validity_text(scene) for scene in decided)
-    without, both = solve([with_gas(decided[1], thermal="none"), decided[1]], tolerance=1e-5)
+    without, both = solve([decided[1].with_gas(thermal="none"), decided[1]], tolerance=1e-5)
     assert abs(without.force_n / both.force_n - 1) < AUTO_TERM_TOLERANCE

@@ -2,14 +2,13 @@
 
 import re
 from contextlib import suppress
-from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from films import PISTON, SINC, film
+from films import PISTON, SINC, at_reynolds, film, with_pad
 from ring_down import RingDown
 from scipy.optimize import newton
 from test_slow_film import disc_stiffness
@@ -75,8 +74,8 @@ def test_a_levitated_disc_oscillates_as_bessel_functions_say(inertia, denser):
     parabola's inertia and no heat: the error holds the rest.
     """
     scene = film(epsilon=0.03, sigma=460.0, profile=PISTON, inertia=inertia)
-    gas = replace(scene.gas, density_kg_per_m3=denser * scene.gas.density_kg_per_m3)
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"), gas=gas)
+    scene = scene.with_gas(density_kg_per_m3=denser * scene.gas.density_kg_per_m3)
+    scene = with_pad(scene, shape="ellipse")
     (force,) = solve([scene], tolerance=1e-4, device=DEVICE)
     found = levitate(scene, load_n=force.force_n, **SETTINGS | {"tolerance": 1e-4})
     scene, trapped = found.scene, found.scene.force_scale_n / found.scene.h0_m
@@ -118,14 +117,9 @@ def test_a_levitated_disc_rings_down_as_its_resonance_says(epsilon, sigma, reyno
     The gas without inertia is thin, within the limits of validity.
     """
     scene = film(
-        epsilon=epsilon,
-        sigma=sigma,
-        profile=profile,
-        inertia="included" if reynolds else "none",
+        epsilon=epsilon, sigma=sigma, profile=profile, inertia="included" if reynolds else "none"
     )
-    denser = (reynolds or 1.0) / scene.modified_reynolds
-    gas = replace(scene.gas, density_kg_per_m3=denser * scene.gas.density_kg_per_m3)
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse"), gas=gas)
+    scene = with_pad(at_reynolds(scene, reynolds or 1.0), shape="ellipse")
     settings = SETTINGS | {"tolerance": 1e-4 if reynolds else 1e-6}
     (force,) = solve([scene], tolerance=settings["tolerance"], device=DEVICE)
     found = levitate(scene, load_n=force.force_n, **settings)
@@ -185,16 +179,8 @@ def test_a_floating_part_oscillates_at_the_root_of_its_equation_of_motion(tmp_pa
 
 
 def test_a_resonance_with_an_error_as_large_as_itself_is_not_known(tmp_path, capsys):
-    words = [
-        "levitate",
-        "--mass",
-        "20g",
-        "--hv",
-        "2.3um",
-        "--config",
-        study(tmp_path, **SMALL_DISC),
-    ]
-    assert main(words) == 0
+    words = ["--mass", "20g", "--hv", "2.3um", "--config", study(tmp_path, **SMALL_DISC)]
+    assert main(["levitate", *words]) == 0
     shown = capsys.readouterr().out
     assert re.search(r"resonance +below about \d+ Hz \(error as large as the value\)", shown)
     assert re.search(r"note +resonance not known: its error is as large as its value", shown)
@@ -233,11 +219,7 @@ DISC = {
 @pytest.mark.parametrize(
     ("words", "sections", "reasons"),
     [
-        (
-            ["--mass", "10g", "--hv", "3um"],
-            DISC,
-            ["modified Reynolds number"],
-        ),
+        (["--mass", "10g", "--hv", "3um"], DISC, ["modified Reynolds number"]),
         (["--load", "0.5N", "--hv", "1nm"], {}, ["Knudsen number Kn = 12.8"]),
     ],
 )

@@ -1,12 +1,14 @@
 """Pads of other outlines and places: turned rectangles, ellipses, curves from a file."""
 
 from dataclasses import replace
+from functools import partial
 from math import log, pi, sqrt
 from pathlib import Path
 
+import films
 import numpy as np
 import pytest
-from films import PISTON, film
+from films import PISTON, film, with_pad
 from physics_facts import fast_piston
 from scipy.special import ellipe, iv
 from skfem import MeshTri2
@@ -19,7 +21,6 @@ from squeezefilm.film.profiles import StandingWave
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.outputs import _outputs_from_states
 from squeezefilm.quantities.pressure import gauge_pressure_and_change
-from squeezefilm.reynolds import Solution
 from squeezefilm.reynolds.asymptotics import edge_layer
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.solver import solve
@@ -28,25 +29,11 @@ from squeezefilm_workflow.verification import finite_elements
 TILTED = GapShape(tilt_x_m=1e-6, tilt_y_m=-0.5e-6, crown_m=-0.2e-6)
 WAVE = StandingWave(wavelength_m=0.02, direction_deg=0.0, crest_m=0.001)
 TURN = 2 * np.pi * np.arange(120) / 120
-
-
-def pad(scene: Scene, **changes: object) -> Scene:
-    return replace(scene, pad=replace(scene.pad, **changes))  # type: ignore[arg-type]
+solved, mean = partial(films.solved, method="auto"), partial(films.mean, method="auto")
 
 
 def ellipse(**numbers: object) -> Scene:
-    return pad(film(**numbers), shape="ellipse")  # type: ignore[arg-type]
-
-
-def solved(scene: Scene, *, tolerance: float = 1e-6, method: str = "auto") -> Solution:
-    (solution,) = solve([scene], tolerance=tolerance, method=method)
-    assert solution.status == "ok"
-    return solution
-
-
-def mean(scene: Scene, *, tolerance: float = 1e-6) -> float:
-    """Mean overpressure over pad and period."""
-    return solved(scene, tolerance=tolerance).force_n / scene.force_scale_n
+    return with_pad(film(**numbers), shape="ellipse")  # type: ignore[arg-type]
 
 
 def disc_stiffness(sigma: float) -> float:
@@ -122,23 +109,25 @@ def test_an_ellipse_has_the_forces_of_galerkin_s_method_in_its_modes(
 
     With each symmetry, and none.
     """
-    scene = pad(ellipse(aspect=aspect, **numbers), gap=gap)
+    scene = with_pad(ellipse(aspect=aspect, **numbers), gap=gap)
     assert mean(scene, tolerance=1e-6) == pytest.approx(expected, rel=2e-6)
 
 
 @pytest.mark.parametrize("outline", ["rectangle", "ellipse"])
 def test_turning_pad_place_and_profile_changes_nothing(outline):
     """Off the centre and off the axes, so that turning the wrong way would show."""
-    scene = pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
+    scene = with_pad(film(epsilon=0.4, sigma=300.0, aspect=0.6, profile=WAVE), shape=outline)
     scene = replace(scene, **cartesian_from_polar(0.002, 20.0))
     wave = replace(WAVE, direction_deg=50.0)
     turned = replace(
         scene, **cartesian_from_polar(0.002, 70.0), actuator=replace(scene.actuator, profile=wave)
     )
-    all_turned = pad(turned, rotation_deg=50.0)
+    all_turned = with_pad(turned, rotation_deg=50.0)
     first = mean(scene, tolerance=1e-4)
     assert mean(all_turned, tolerance=1e-4) == pytest.approx(first, rel=1e-9)
-    assert mean(pad(turned, rotation_deg=-50.0), tolerance=1e-4) != pytest.approx(first, rel=1e-2)
+    assert mean(with_pad(turned, rotation_deg=-50.0), tolerance=1e-4) != pytest.approx(
+        first, rel=1e-2
+    )
 
 
 def test_a_tilted_pad_carries_as_a_slider_bearing():
@@ -149,7 +138,7 @@ def test_a_tilted_pad_carries_as_a_slider_bearing():
     """
     h0, tilt = 5e-6, 4e-6
     wedge = [
-        pad(film(epsilon=0.0, sigma=1.0, bearing=1e-4, aspect=a), gap=GapShape(tilt_x_m=-tilt))
+        with_pad(film(epsilon=0.0, sigma=1.0, bearing=1e-4, aspect=a), gap=GapShape(tilt_x_m=-tilt))
         for a in (4.0, 8.0)
     ]
     narrow, wide = (mean(scene, tolerance=1e-4) * scene.aspect for scene in wedge)
@@ -174,7 +163,9 @@ def ellipse_mm(scene: Scene, turned_deg: float = 0.0) -> np.ndarray:
 
 def curved(scene: Scene, folder: Path, z_mm: np.ndarray, sides_m: tuple[float, float]) -> Scene:
     contour = read_contour(written(folder, z_mm), sides_m=sides_m)
-    return pad(scene, shape="curve", length_x_m=sides_m[0], length_y_m=sides_m[1], contour=contour)
+    return with_pad(
+        scene, shape="curve", length_x_m=sides_m[0], length_y_m=sides_m[1], contour=contour
+    )
 
 
 def test_a_curve_lies_as_its_file_says(tmp_path):
@@ -187,7 +178,7 @@ def test_a_curve_lies_as_its_file_says(tmp_path):
         x=0.2,
         y=0.1,
     )
-    scene = pad(plain, shape="ellipse", rotation_deg=30.0)
+    scene = with_pad(plain, shape="ellipse", rotation_deg=30.0)
     rim = np.array(scene.pad.edge_points_m())
     half = 0.5 * np.hypot(
         scene.pad.length_x_m * np.array([np.sqrt(0.75), 0.5]),
@@ -198,7 +189,7 @@ def test_a_curve_lies_as_its_file_says(tmp_path):
     assert solved(given, tolerance=1e-4).force_n == pytest.approx(
         solved(scene, tolerance=1e-4).force_n, rel=2e-4
     )
-    other = pad(scene, rotation_deg=-30.0)
+    other = with_pad(scene, rotation_deg=-30.0)
     assert solved(other, tolerance=1e-4).force_n != pytest.approx(
         solved(scene, tolerance=1e-4).force_n, rel=1e-2
     )
@@ -255,7 +246,7 @@ MODES = {
 
 def test_the_answers_under_an_ellipse_are_those_of_its_modes():
     """By two methods that share no more than the equation."""
-    scene = pad(film(epsilon=0.44, sigma=100.0, aspect=0.8, x=0.2, y=0.1), shape="ellipse")
+    scene = with_pad(film(epsilon=0.44, sigma=100.0, aspect=0.8, x=0.2, y=0.1), shape="ellipse")
     forces = solve([scene], tolerance=1e-4, method="periodic", keep_states=True)
     ((values, missing),) = _outputs_from_states(
         Scenes.of([scene]), forces, tolerance=1e-4, device=None
@@ -267,7 +258,7 @@ def test_the_answers_under_an_ellipse_are_those_of_its_modes():
 
 
 def test_the_pressure_under_a_curve_is_that_under_its_ellipse(tmp_path):
-    scene = pad(film(epsilon=0.44, sigma=100.0, aspect=0.8, x=0.2), shape="ellipse")
+    scene = with_pad(film(epsilon=0.44, sigma=100.0, aspect=0.8, x=0.2), shape="ellipse")
     sides_m = scene.pad.length_x_m, scene.pad.length_y_m
     given = curved(scene, tmp_path, ellipse_mm(scene), sides_m)
     wanted = {"x": np.linspace(0, 1, 9), "y": np.linspace(0, 1, 8), "instants": 8}

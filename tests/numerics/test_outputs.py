@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from films import H0_M, LENGTH_M, PISTON, PRESSURE_PA, film
+from films import H0_M, LENGTH_M, PISTON, PRESSURE_PA, at_reynolds, film, with_pad
 from host_film import Fields
 from numpy.polynomial.chebyshev import chebvander
 from physics_facts import piston_response
@@ -197,9 +197,7 @@ def test_gas_that_flows_out_carries_its_velocity_along_the_rim(shape: str) -> No
     """What leaves over the rim is what the balance of momentum inside says."""
     rotating = Formula("1 + 100*x", Disc(0.7 * LENGTH_M), "120*y")
     scene = film(epsilon=0.4, sigma=60.0, profile=rotating, inertia="included")
-    density = scene.gas.density_kg_per_m3 * 4 / scene.modified_reynolds
-    scene = scene.with_gas(density_kg_per_m3=density)
-    scene = replace(scene, pad=replace(scene.pad, shape=shape))  # type: ignore[arg-type]
+    scene = with_pad(at_reynolds(scene, 4), shape=shape)
     grid = Grid(32, 32, 24, fold_x=False, fold_y=False, outline=scene.pad.smooth_outline)
     state = solve_batch([scene], grid, tolerance=1e-10, device=choose_device())
     unknowns = state.unknowns[0]
@@ -211,7 +209,7 @@ def test_gas_that_flows_out_carries_its_velocity_along_the_rim(shape: str) -> No
 def test_a_tilted_pad_over_a_piston_is_pushed_by_half_its_slope() -> None:
     """∇h is the pad's own slope, so that −F₀/2 of it is left: towards where the gap closes."""
     scene = film(epsilon=0.4, sigma=100.0, profile=PISTON)
-    scene = replace(scene, pad=replace(scene.pad, gap=GapShape(tilt_x_m=0.2 * H0_M)))
+    scene = with_pad(scene, gap=GapShape(tilt_x_m=0.2 * H0_M))
     (solution,) = solve([scene], tolerance=1e-4)
     found = outputs(scene, "thrust", tolerance=1e-4)
     expected = -0.2 * H0_M / LENGTH_M * solution.force_n / 2
@@ -236,7 +234,7 @@ def test_no_thrust_on_a_crest_or_a_node_of_a_standing_wave(crest: float, inertia
 def test_a_turned_pad_has_its_answers_along_the_actuator_s_axes() -> None:
     """A square turned by a quarter is the same square."""
     scene = film(epsilon=0.4, sigma=300.0, x=0.2, y=0.1)
-    turned = replace(scene, pad=replace(scene.pad, rotation_deg=90.0))
+    turned = with_pad(scene, rotation_deg=90.0)
     plain, other = (outputs(each, tolerance=1e-5) for each in (scene, turned))
     for name, value in plain.value.items():
         doubt = plain.error[name] + other.error[name]
@@ -288,7 +286,7 @@ def test_extremes_lie_between_the_nodes_too() -> None:
 def test_friction_of_a_surface_that_slides_is_couette_s(rarefaction: str) -> None:
     """A film that hardly vibrates: μ U A/(h0 + 2λ) towards where the surface moves."""
     scene = film(epsilon=1e-4, sigma=50.0, bearing=2.0, rarefaction=rarefaction)
-    turned = replace(scene, pad=replace(scene.pad, rotation_deg=30.0))
+    turned = with_pad(scene, rotation_deg=30.0)
     path_m = scene.gas.mean_free_path_m if rarefaction == "slip" else 0.0
     drag = scene.gas.viscosity_pa_s * scene.pad.speed_x_m_per_s * AREA_M2 / (H0_M + 2 * path_m)
     found = outputs(turned, "thrust").value

@@ -1,6 +1,5 @@
 """The asymptotic expansion as a model: nothing fitted, better than the paper's fitted formula."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -69,7 +68,7 @@ def test_each_corrective_parameter_makes_it_better(paper, control):
 def with_inertia(table: pd.DataFrame, paper: Study) -> tuple[Factors, np.ndarray, np.ndarray]:
     """A plan's factors with the limits, their errors and the forces by the periodic state."""
     scenes = scenes_of_table(table, paper)
-    scenes = [replace(each, gas=replace(each.gas, inertia="included")) for each in scenes]
+    scenes = [each.with_gas(inertia="included") for each in scenes]
     known = with_asymptotic_forces(table, scenes)
     solutions = solve(scenes, tolerance=1e-5, method="periodic")
     force_n = np.array([each.force_n for each in solutions])

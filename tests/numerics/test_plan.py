@@ -1,12 +1,11 @@
 """What ``simulate --dry-run`` shows is what ``solve`` does."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from films import PISTON, SINC, film
+from films import PISTON, SINC, film, with_pad
 
 from squeezefilm.cli.main import main
 from squeezefilm.film.pad import GapShape
@@ -51,7 +50,7 @@ def random_scene(random: np.random.Generator) -> Scene:
         return scene
     shape = str(random.choice(["rectangle", "ellipse"]))
     gap = GapShape(tilt_x_m=float(random.choice([0.0, 1e-6])))
-    return replace(scene, pad=replace(scene.pad, shape=shape, gap=gap))
+    return with_pad(scene, shape=shape, gap=gap)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -1,11 +1,10 @@
 """A profile is measured before it is solved: fine features are seen or refused, never missed."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from films import LENGTH_M, PISTON, film
+from films import LENGTH_M, PISTON, film, with_pad
 
 from squeezefilm.film.profiles import Formula, StandingWave
 from squeezefilm.film.surfaces import Disc
@@ -42,7 +41,7 @@ def test_a_spot_that_no_grid_sees_is_refused_with_its_size(expression, tolerance
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_no_method_solves_what_it_does_not_see(method, shape):
     scene = film(epsilon=0.4, sigma=583.0, profile=formula(SPOT))
-    scene = replace(scene, pad=replace(scene.pad, shape=shape))
+    scene = with_pad(scene, shape=shape)
     (solution,) = solve([scene], tolerance=1e-2, method=method)
     assert "the profile has a feature" in solution.status
 
@@ -94,7 +93,7 @@ def test_a_profile_next_to_nothing_bears_nothing_within_its_error(centre_m, shap
     """1e-17 and 1e-58 at the pad's edge: the force, of its square, is far below rounding."""
     spot = formula(f"exp(-((x-{centre_m})/1e-3)**2)")
     scene = film(epsilon=0.4, sigma=100.0, profile=spot)
-    scene = replace(scene, pad=replace(scene.pad, shape=shape))
+    scene = with_pad(scene, shape=shape)
     (solution,) = solve([scene], tolerance=1e-2, method="periodic")
     assert solution.status == "ok"
     assert abs(solution.force_n) <= solution.force_error_n < 1e-25

@@ -4,12 +4,7 @@ import csv
 
 import numpy as np
 import pytest
-from physics_facts import (
-    CUT_OFF_SIGMA,
-    DAMPING_AT_CUT_OFF,
-    SPRING_AT_20,
-    SPRING_AT_CUT_OFF,
-)
+from physics_facts import CUT_OFF_SIGMA, DAMPING_AT_CUT_OFF, SPRING_AT_20, SPRING_AT_CUT_OFF
 from physics_facts import piston_response as double_series
 
 from squeezefilm.errors import RunError

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from films import film
+from films import film, with_pad
 
 from squeezefilm.film.pad import GapShape
 from squeezefilm.film.profiles import QuadratureProfile, StandingWave
@@ -38,7 +38,7 @@ COMPOSITE = "the composite expansion is "
 )
 def test_what_was_not_derived_is_refused_and_planned_so(numbers, pad, method, reason):
     scene = film(**{"epsilon": 0.3, "sigma": 200.0} | numbers)
-    scene = replace(scene, pad=replace(scene.pad, **pad))
+    scene = with_pad(scene, **pad)
     (solution,) = solve([scene], tolerance=1e-3, method=method)
     assert reason in solution.status
     assert np.isnan(solution.force_n)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from films import PISTON, SINC, film, mean_overpressure, periodic_state
+from films import PISTON, SINC, film, mean_overpressure, periodic_state, spring_and_damping
 from physics_facts import (
     CUT_OFF_SIGMA,
     DAMPING_AT_CUT_OFF,
@@ -16,25 +16,10 @@ from physics_facts import (
 )
 
 
-def response(sigma: float, aspect: float = 1.0) -> tuple[float, float]:
-    """Spring and damping numbers S, D of a piston film, from its force at a small amplitude."""
-    epsilon = 1e-5
-    scene = film(epsilon=epsilon, sigma=sigma, profile=PISTON, aspect=aspect)
-    grid, states = periodic_state(scene, points=32, instants=8)
-    force = np.einsum(
-        "xyt,x,y->t",
-        states.gauge_pressure_ratio[0],
-        grid.x.quadrature_weights,
-        grid.y.quadrature_weights,
-    )
-    spring = -2 * np.mean(force * np.sin(grid.t.nodes)) / epsilon
-    damping = -2 * np.mean(force * np.cos(grid.t.nodes)) / epsilon
-    return float(spring), float(damping)
-
-
 @pytest.mark.parametrize(("sigma", "aspect"), [(2.0, 1.0), (60.0, 0.4), (CUT_OFF_SIGMA, 1.0)])
 def test_small_motion_of_a_piston_follows_the_linear_series(sigma, aspect):
-    found = response(sigma, aspect)
+    scene = film(epsilon=1e-5, sigma=sigma, profile=PISTON, aspect=aspect)
+    found = spring_and_damping(scene, points=32)
     assert found == pytest.approx(piston_response(sigma, aspect), rel=2e-5)
     if sigma == CUT_OFF_SIGMA:
         assert found == pytest.approx((SPRING_AT_CUT_OFF, DAMPING_AT_CUT_OFF), abs=2e-7)

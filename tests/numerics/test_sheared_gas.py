@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from films import PISTON, film
+from films import PISTON, at_reynolds, film, with_pad
 from sheared_strip import Film, Strip, forces, resolved
 
 from squeezefilm.api.film import Film as FilmOfUser
@@ -146,10 +146,8 @@ def test_thrust_of_a_long_pad_is_that_of_the_resolved_strip(strip):
     thrusts = []
     for aspect in (4.0, 8.0):
         scene = film(aspect=aspect, **numbers, **terms)
-        density = strip.reynolds / scene.modified_reynolds * scene.gas.density_kg_per_m3
-        scene = scene.with_gas(density_kg_per_m3=density, prandtl=strip.prandtl)
-        shape = GapShape(tilt_x_m=strip.tilt * scene.h0_m)
-        scene = replace(scene, pad=replace(scene.pad, gap=shape))
+        scene = at_reynolds(scene, strip.reynolds).with_gas(prandtl=strip.prandtl)
+        scene = with_pad(scene, gap=GapShape(tilt_x_m=strip.tilt * scene.h0_m))
         solutions = solve([scene], tolerance=1e-4)
         (solution,) = with_outputs([scene], solutions, outputs=("thrust",), tolerance=1e-4)
         unit = scene.force_scale_n * scene.h0_m / scene.pad.length_x_m / aspect
@@ -167,8 +165,8 @@ def test_thrust_of_a_long_pad_is_that_of_the_resolved_strip(strip):
 @pytest.mark.parametrize("shape", ["rectangle", "ellipse"])
 def test_a_pad_that_hardly_slides_has_the_thrust_of_one_at_rest(shape):
     slow = film(epsilon=0.3, sigma=100.0, x=0.1, bearing=1e-7, inertia="included")
-    slow = replace(slow, pad=replace(slow.pad, shape=shape))
-    still = replace(slow, pad=replace(slow.pad, speed_x_m_per_s=0.0))
+    slow = with_pad(slow, shape=shape)
+    still = with_pad(slow, speed_x_m_per_s=0.0)
     solutions = solve([slow, still], tolerance=1e-4)
     found = with_outputs([slow, still], solutions, outputs=("thrust",), tolerance=1e-4)
     sliding, at_rest = (each.outputs.value["thrust_x"] for each in found)
@@ -178,7 +176,7 @@ def test_a_pad_that_hardly_slides_has_the_thrust_of_one_at_rest(shape):
 def test_velocity_carried_by_the_wall_is_that_of_its_cartesian_parts():
     """Under an ellipse: (U·∇)ū along the axes, by the slopes of ū's own parts along them."""
     scene = film(epsilon=0.3, sigma=30.0, x=0.1, y=0.2, bearing=1.0, inertia="included")
-    scene = replace(scene, pad=replace(scene.pad, shape="ellipse", length_y_m=0.007))
+    scene = with_pad(scene, shape="ellipse", length_y_m=0.007)
     grid = Grid(16, 24, 8, fold_x=False, fold_y=False, outline=scene.pad.smooth_outline)
     x, y = (each.reshape(len(grid.x.all_nodes), -1, 1) for each in grid.node_positions)
     swelling = (0.25 - (x - 0.5) ** 2 - (y - 0.5) ** 2) * (1 + x) * np.sin(grid.t.nodes)
@@ -275,11 +273,8 @@ def test_dragged_gas_may_have_half_rho_u_squared_where_it_comes_in(turns):
 def test_a_pad_that_hardly_slides_has_the_budget_of_one_at_rest(shape):
     terms = {"inertia": "included", "thermal": "included"}
     slow = film(epsilon=0.4, sigma=300.0, x=0.1, bearing=1e-6, knudsen=1e-3, **terms)
-    slow = replace(slow, pad=replace(slow.pad, shape=shape))
-    slow = slow.with_gas(
-        density_kg_per_m3=1.7 * slow.gas.density_kg_per_m3 / slow.modified_reynolds
-    )
-    still = replace(slow, pad=replace(slow.pad, speed_x_m_per_s=0.0))
+    slow = with_pad(at_reynolds(slow, 1.7), shape=shape)
+    still = with_pad(slow, speed_x_m_per_s=0.0)
     forces = [solution.force_n for solution in solve([slow, still], tolerance=1e-5)]
     assert forces[0] == pytest.approx(forces[1], rel=2e-5)
     sliding, at_rest = error_budgets([slow, still])

@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from films import film
+from films import film, with_pad
 from periodic_strip import PeriodicStrip
 from physics_facts import piston_response
 from scipy.special import ive
@@ -210,7 +210,7 @@ def test_a_disc_is_the_same_along_its_radius_and_in_an_outlines_coordinates():
 @pytest.mark.parametrize("x", [0.0, 0.15])
 def test_gain_of_discs_and_ellipses_is_that_of_periodic_forces(pad, x):
     scene = film(epsilon=0.4, sigma=1500.0, x=x)
-    scene = replace(scene, pad=replace(scene.pad, **pad))
+    scene = with_pad(scene, **pad)
     (by_forces,) = quasi_static_gains([scene], tolerance=1e-6, device=DEVICE)
     by_slow = force_response(scene)
     assert abs(by_slow.static_gain / by_forces[0] - 1) <= by_slow.error < 3e-3
@@ -324,8 +324,7 @@ def test_the_change_by_slip_is_that_of_a_film_with_slip():
     """On the finest grid; at 1 µm a film settles in less than three quarters of the time."""
     scene = film(epsilon=0.44, sigma=58280.0, knudsen=0.067)
     without, slipping = (
-        force_response(replace(scene, gas=replace(scene.gas, rarefaction=each)))
-        for each in ("none", "slip")
+        force_response(scene.with_gas(rarefaction=each)) for each in ("none", "slip")
     )
     (found,) = neglected_changes_percent([scene], tolerance=1e-4, device=DEVICE)
     for what, name in SLIP_CHANGE_COLUMNS.items():
@@ -385,7 +384,7 @@ def test_what_inertia_and_heat_do_to_slow_modulation_is_that_of_forces_with_them
     gain = {}
     for term in ("none", "inertia", "thermal"):
         choices = {name: "included" if name == term else "none" for name in NEGLECTED_GAS_TERMS}
-        with_term = replace(scene, gas=replace(scene.gas, **choices))
+        with_term = scene.with_gas(**choices)
         low, high = solve(
             [replace(with_term, hv_m=scene.hv_m * (1 + step)) for step in (-0.005, 0.005)],
             tolerance=1e-8,

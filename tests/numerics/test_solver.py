@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 import pytest
-from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film
+from films import LENGTH_M, PISTON, PRESSURE_PA, SINC, film, with_pad
 from physics_facts import ASIDE_N, CENTRED_N, slow_piston
 
 from squeezefilm.film.profiles import Sinc
@@ -167,7 +167,7 @@ def test_result_does_not_depend_on_the_other_scenes(paper_scenes):
     """Nor on their surfaces and pads, which may differ."""
     scene = paper_scenes[0]
     other_wave = replace(scene, actuator=replace(scene.actuator, profile=Sinc(50.0)))
-    small = replace(scene, pad=replace(scene.pad, length_x_m=0.008, length_y_m=0.008))
+    small = with_pad(scene, length_x_m=0.008, length_y_m=0.008)
     scenes = [*paper_scenes[:12], other_wave, small]
     together = solve(scenes, tolerance=1e-6)
     backwards = solve(scenes[::-1], tolerance=1e-6)[::-1]

@@ -152,9 +152,8 @@ def test_linear_algebra_of_a_command_takes_one_thread_unless_it_is_told():
     "command", ["levitate --load 1N", "simulate --h0 5um", "response --h0 5um"]
 )
 def test_a_table_of_another_format_is_refused_before_anything_is_solved(
-    command, monkeypatch, capsys, tmp_path
+    command, monkeypatch, refused, tmp_path
 ):
     monkeypatch.setattr("squeezefilm.api.film.Film.scenes", None)
-    words = [*command.split(), "--hv", "1um", "--output", str(tmp_path / "x.xlsx")]
-    assert main(words) == 2
-    assert "x.xlsx: a table is written as .csv" in capsys.readouterr().err
+    words = [*command.split(), "--hv", "1um", "--output", tmp_path / "x.xlsx"]
+    assert "x.xlsx: a table is written as .csv" in refused(*words)

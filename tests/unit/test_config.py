@@ -165,16 +165,14 @@ def test_line_ends_and_byte_order_mark_do_not_matter(paper, tmp_path):
 
 
 @pytest.mark.parametrize(("force", "noted"), [("2 N", False), ("3 N", True), ("30 N", True)])
-def test_a_target_force_beyond_the_screen_is_noted(force, noted, tmp_path):
+def test_a_target_force_beyond_the_screen_is_noted(force, noted, study):
     """It took a whole run to end with empty amplitudes."""
-    path = tmp_path / "study.yaml"
-    path.write_text(
+    path = study(
         "study: mine\ngas: {inertia: none, thermal: none}\nsolver: {tolerance: 1e-3}\n"
         "actuator: {frequency: 43.27 kHz, surface_radius: 10 mm, profile: {kind: piston}}\n"
         "pad: {length_x: 10 mm, length_y: 10 mm}\n"
         "screen: {h0: {start: 5 µm, stop: 10 µm}, hv: {start: 0.2 µm, stop: 2 µm}}\n"
-        f"extrapolation: {{force: {force}}}\n",
-        encoding="utf-8",
+        f"extrapolation: {{force: {force}}}\n"
     )
     notes = [note for note in study_notes(load_config(path)) if "beyond the screen" in note]
     assert len(notes) == noted
@@ -191,23 +189,20 @@ def test_a_target_force_beyond_the_screen_is_noted(force, noted, tmp_path):
         ("{kind: piston}", "{}", 0),
     ],
 )
-def test_a_standing_wave_without_a_model_that_repeats_is_noted(profile, models, count, tmp_path):
-    path = tmp_path / "study.yaml"
-    path.write_text(
+def test_a_standing_wave_without_a_model_that_repeats_is_noted(profile, models, count, study):
+    path = study(
         f"study: mine\nactuator: {{frequency: 40 kHz, surface_radius: 10 mm, profile: {profile}}}\n"
         "pad: {length_x: 4 mm, length_y: 4 mm}\n"
         "screen: {h0: {start: 5 µm, stop: 10 µm}, hv: {start: 0.2 µm, stop: 2 µm}}\n"
-        f"extrapolation: {{force: 0.1 N}}\nmodels: {models}\n",
-        encoding="utf-8",
+        f"extrapolation: {{force: 0.1 N}}\nmodels: {models}\n"
     )
     notes = [note for note in study_notes(load_config(path)) if "standing wave" in note]
     assert len(notes) == count
 
 
-def test_a_frequency_that_lacks_its_unit_is_noted_beside_every_result(paper, tmp_path, capsys):
+def test_a_frequency_that_lacks_its_unit_is_noted_beside_every_result(paper, study, capsys):
     """43.27 Hz, of kHz forgotten, gave a force without a word."""
-    path = tmp_path / "study.yaml"
-    path.write_text(paper.replace(HZ, "43.27"), encoding="utf-8")
+    path = study(paper.replace(HZ, "43.27"))
     note = "note: actuator.frequency is read as 43.27 Hz; for 43.27 kHz write the unit"
     for command in (["simulate", "--dry-run"], ["simulate"], ["error-budget"]):
         assert cli.main([*command, "--h0=5um", "--hv=1um", f"--config={path}"]) == 0

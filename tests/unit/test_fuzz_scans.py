@@ -61,9 +61,8 @@ def test_a_scan_runs_or_is_refused(block, tmp_path):
         path.write_text(mutated(draw.choice([SCAN, RADIAL]), draw), encoding="utf-8", newline="")
         axisymmetric = draw.random() < 0.7
         try:
-            smoothed = smoothed_scan_of_file(
-                path, ScanFile("scan.csv", axisymmetric=axisymmetric), Disc(RADIUS_M)
-            )
+            settings = ScanFile("scan.csv", axisymmetric=axisymmetric)
+            smoothed = smoothed_scan_of_file(path, settings, Disc(RADIUS_M), frequency_hz=43270.0)
         except InputError as error:
             message = str(error)
             assert "scan.csv" in message

@@ -116,11 +116,7 @@ def test_clean_keeps_the_results_of_a_study_of_ones_own(tmp_path, monkeypatch):
     for folder in (*built, ".snakemake/metadata"):
         (tmp_path / folder).mkdir(parents=True)
     done = subprocess.run(
-        ["make", "clean"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
+        ["make", "clean"], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert [path.name for path in (tmp_path / "results").iterdir()] == ["mine"]
     assert "kept: results/mine" in done.stdout

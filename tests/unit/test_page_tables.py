@@ -103,14 +103,24 @@ def test_of_results_that_are_not_there_those_that_are_have_their_names(tmp_path,
     assert f"there are no such results; there are {tmp_path}/my-actuator, {tmp_path}/paper" in error
 
 
-def test_recommended_errors_are_shown_in_percent_as_on_the_pages(monkeypatch, tmp_path, capsys):
+@pytest.fixture
+def recommend(monkeypatch, tmp_path):
+    """The exit status of `recommend` where a table has the models that are recommended."""
+
+    def command(table: pd.DataFrame) -> int:
+        results = models.Results(tmp_path, None)
+        monkeypatch.setattr(models.Results, "of_folder", lambda *_: results)
+        monkeypatch.setattr(models, "recommendation_table", lambda _: table)
+        return cli.main(["recommend", str(tmp_path)])
+
+    return command
+
+
+def test_recommended_errors_are_shown_in_percent_as_on_the_pages(recommend, tmp_path, capsys):
     """0.06174 stood beside a page's 5.13 %, of fewer points."""
     row = {"space": "two_factor", "model": "bump", "validation_error": 0.0076, "simulations": 48}
     row |= {"worst_error": 0.06174, "h0_m": 5e-6, "hv_m": 1e-6, "force_n": 0.3}
-    own = models.Results(tmp_path, SimpleNamespace())
-    monkeypatch.setattr(models.Results, "of_folder", lambda *_: own)
-    monkeypatch.setattr(models, "recommendation_table", lambda _: pd.DataFrame([row, row]))
-    assert cli.main(["recommend", str(tmp_path)]) == 0
+    assert recommend(pd.DataFrame([row, row])) == 0
     told = capsys.readouterr().out.splitlines()
     assert told.pop() == f"fit of two_factor: {tmp_path}/models/two_factor/bump.json"
     header, values, *_ = map(str.split, told)
@@ -121,28 +131,22 @@ def test_recommended_errors_are_shown_in_percent_as_on_the_pages(monkeypatch, tm
     assert not {"worst_error", "validation_error"} & set(header)
 
 
-def test_recommended_amplitudes_stand_by_space_and_then_by_size(monkeypatch, tmp_path, capsys):
+def test_recommended_amplitudes_stand_by_space_and_then_by_size(recommend, capsys):
     """The centre's amplitude lay between the least and the largest of the pad anywhere."""
     rows = [("two_factor", 2e-6), *[("four_factor", hv_m) for hv_m in (3e-6, 1.5e-6, 1e-6)]]
     table = pd.DataFrame(rows, columns=["space", "hv_m"]).assign(model="bump", h0_m=5e-6)
     table = table.assign(validation_error=0.01, worst_error=0.02)
-    monkeypatch.setattr(models.Results, "of_folder", lambda *_: models.Results(tmp_path, None))
-    monkeypatch.setattr(models, "recommendation_table", lambda _: table)
-    assert cli.main(["recommend", str(tmp_path)]) == 0
+    assert recommend(table) == 0
     header, *shown = map(str.split, capsys.readouterr().out.splitlines()[:-2])
     amplitudes = [(row[0], float(row[header.index("hv_m")])) for row in shown]
     assert amplitudes == [("two_factor", 2e-6), ("four_factor", 1e-6), ("four_factor", 3e-6)]
 
 
-def test_a_target_force_that_no_model_gives_is_an_error_after_the_table(
-    monkeypatch, tmp_path, capsys
-):
+def test_a_target_force_that_no_model_gives_is_an_error_after_the_table(recommend, capsys):
     rows = [{"space": space, "model": "bump"} for space in ("two_factor", "four_factor")]
     table = pd.DataFrame(rows).assign(h0_m=5e-6, hv_m=float("nan"), force_n=30.0, note="too large")
     table = table.assign(validation_error=0.01, worst_error=0.02)
-    monkeypatch.setattr(models.Results, "of_folder", lambda *_: models.Results(tmp_path, None))
-    monkeypatch.setattr(models, "recommendation_table", lambda _: table)
-    assert cli.main(["recommend", str(tmp_path)]) == 1
+    assert recommend(table) == 1
     told = capsys.readouterr()
     assert told.out.count("bump") == 4
     assert "no recommended model gives 30 N at h0 = 5 µm" in told.err

@@ -46,10 +46,7 @@ def test_processes_end_with_the_one_that_started_them(repository):
         "parallel_map(task, [1, 2], processes=2)"
     )
     parent = subprocess.Popen(
-        [sys.executable, "-c", code],
-        cwd=repository / "workflow",
-        stdout=subprocess.PIPE,
-        text=True,
+        [sys.executable, "-c", code], cwd=repository / "workflow", stdout=subprocess.PIPE, text=True
     )
     assert parent.stdout
     children = [int(parent.stdout.readline()) for _ in range(2)]

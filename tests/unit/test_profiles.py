@@ -30,9 +30,8 @@ def smooth(tmp_path):
     def write(text: str, *, axisymmetric: bool = True) -> SmoothedScan:
         path = tmp_path / "scan.csv"
         path.write_text(text, encoding="utf-8")
-        return smoothed_scan_of_file(
-            path, ScanFile("scan.csv", axisymmetric=axisymmetric), Disc(RADIUS_M)
-        )
+        settings = ScanFile("scan.csv", axisymmetric=axisymmetric)
+        return smoothed_scan_of_file(path, settings, Disc(RADIUS_M), frequency_hz=43270.0)
 
     return write
 
@@ -122,10 +121,7 @@ def test_the_stated_error_covers_the_true_one(smooth, axisymmetric):
 GOOD = scan_text(noise=0.02, missing=0.03, seed=1)
 HEADER, ROWS = GOOD.split("\n", 1)
 WRONG = {
-    "an unknown column": (
-        GOOD.replace("amplitude_um", "height_um"),
-        "not understood: 'height_um'",
-    ),
+    "an unknown column": (GOOD.replace("amplitude_um", "height_um"), "not understood: 'height_um'"),
     "no unit": (
         GOOD.replace("x_mm", "x"),
         "line 1: no unit is known of 'x'; write it into the header, as in x [mm]",

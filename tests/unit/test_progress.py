@@ -34,10 +34,7 @@ def test_a_command_on_one_scene_shows_how_far_it_is(monkeypatch, command, stream
 
 
 def test_quick_work_shows_nothing(monkeypatch, capsys):
-    with (
-        parallel.show_progress("squeezefilm"),
-        parallel.track_progress(2, unit="part", name="a"),
-    ):
+    with parallel.show_progress("squeezefilm"), parallel.track_progress(2, unit="part", name="a"):
         time.sleep(0.01)
     assert capsys.readouterr().err == ""
 

@@ -15,6 +15,7 @@ from scipy.stats import binom
 
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.film.measured.placement import check_points
 from squeezefilm.film.measured.scan import Scan
 from squeezefilm.film.measured.smooth import SmoothedScan, smooth_scan
 from squeezefilm.film.measured.smoothed_file import read_smoothed_scan, write_smoothed_scan
@@ -208,7 +209,7 @@ def test_strays_are_not_fitted(scene):
 def test_an_unsigned_scan_is_taken_if_the_study_says_so():
     scan = unsigned(scan_of(profile(DOME), noise=0.02, seed=1))
     with pytest.raises(InputError, match=r"(?s)node line.*actuator\.profile\.sign: unknown"):
-        smooth(scan)
+        check_points(scan, FREE_SHAPE, Disc(RADIUS_M))
     (warning,) = smooth(scan, sign="unknown").warnings
     assert "all amplitudes are taken to one side" in warning
 

@@ -1,5 +1,6 @@
 """A scan is read as it was exported: whatever its encoding, separator, header and quantities."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ FREQUENCY_HZ = 43270.0
 RADIUS_M = 0.01
 FREE_SHAPE = ScanFile("scan.csv")
 AXISYMMETRIC = ScanFile("scan.csv", axisymmetric=True)
+smoothed_scan = partial(smoothed_scan_of_file, frequency_hz=FREQUENCY_HZ)
 
 
 def points(count: int = 15, noise: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -366,13 +368,6 @@ def test_r_of_a_lock_in_amplifier_is_no_place(tmp_path):
         read(tmp_path / "scan.csv", content)
 
 
-def test_a_unit_and_the_frequency_are_asked_for_together(tmp_path):
-    path = tmp_path / "scan.csv"
-    path.write_text(with_header("x,y_mm,velocity_mm_s,phase_deg"), encoding="utf-8")
-    with pytest.raises(InputError, match=r"no unit is known of 'x'.*; and velocities .*frequency"):
-        read_scan(path)
-
-
 SIGN_LEVEL_STATUS = {
     "English": ("Sign", "Level", "Status"),
     "German": ("Vorzeichen", "Pegel", "Zustand"),
@@ -481,12 +476,12 @@ def test_a_line_across_the_middle_is_an_axisymmetric_shape(name, tmp_path):
     path, r = tmp_path / "scan.csv", np.linspace(-9.9, 9.9, 41)
     path.write_text(text(f"{name},displacement_um", r, np.sinc(0.1098 * r)), encoding="utf-8")
     surface = Disc(RADIUS_M)
-    profile = smoothed_scan_of_file(path, AXISYMMETRIC, surface).profile
+    profile = smoothed_scan(path, AXISYMMETRIC, surface).profile
     x_m, y_m, _ = surface.net_points_and_weights()
     exact = np.sinc(109.8 * np.hypot(x_m, y_m))
     assert profile.amplitude(x_m=x_m, y_m=y_m) == pytest.approx(exact, abs=2e-3)
     with pytest.raises(InputError, match="axisymmetric: true"):
-        smoothed_scan_of_file(path, FREE_SHAPE, surface)
+        smoothed_scan(path, FREE_SHAPE, surface)
 
 
 def measured_at(name: str, values: list[float], factors: list[float]) -> str:
@@ -683,7 +678,7 @@ def test_units_and_what_the_places_need_are_asked_for_together(x, y, message, tm
     path = tmp_path / "scan.csv"
     path.write_text(f"{text('x,y,uz', x, y, U)}Total,9,9,9\n")
     with pytest.raises(InputError, match=message):
-        smoothed_scan_of_file(path, FREE_SHAPE, Disc(RADIUS_M))
+        smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M))
 
 
 UNSIGNED = r".*; and the amplitudes have no phase and no sign.*sign: unknown if .* no node line$"
@@ -707,11 +702,9 @@ def test_what_a_study_must_say_of_points_is_in_the_first_message(content, messag
     path = tmp_path / "scan.csv"
     path.write_text(content)
     with pytest.raises(InputError, match=message):
-        smoothed_scan_of_file(path, FREE_SHAPE, Disc(RADIUS_M))
+        smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M))
     with pytest.raises(InputError) as refusal:
-        smoothed_scan_of_file(
-            path, ScanFile("scan.csv", axisymmetric=True, sign="unknown"), Disc(RADIUS_M)
-        )
+        smoothed_scan(path, ScanFile("scan.csv", axisymmetric=True, sign="unknown"), Disc(RADIUS_M))
     assert "actuator.profile" not in str(refusal.value)
 
 
@@ -758,7 +751,7 @@ def test_points_rounded_beyond_the_edge_are_on_it(tmp_path):
     def smooth(scale: float, digits: int, surface: Disc | Rectangle = surface) -> tuple[str, ...]:
         at = (np.round(scale * each, digits) for each in (x, y))
         path.write_text(text("x_mm,y_mm,amplitude_um", *at, np.sinc(0.1098 * np.hypot(x, y))))
-        return smoothed_scan_of_file(path, FREE_SHAPE, surface).warnings
+        return smoothed_scan(path, FREE_SHAPE, surface).warnings
 
     assert smooth(1.0, 9) == ()
     for digits in (1, 4):
@@ -785,23 +778,23 @@ def test_a_line_along_a_plate_is_its_shape_where_that_is_the_same_across(tmp_pat
     content = text("Position [mm],real_um,imag_um", along, wave.real, wave.imag)
     path.write_text(content)
     origin_m = (0.045, 0.0)
-    scan = smoothed_scan_of_file(path, ScanFile("scan.csv", along="x", origin_m=origin_m), plate)
+    scan = smoothed_scan(path, ScanFile("scan.csv", along="x", origin_m=origin_m), plate)
     x_m, y_m, _ = plate.net_points_and_weights()
     found = scan.profile.amplitude(x_m=x_m, y_m=y_m)
     exact = np.cos(np.pi * (x_m + 0.045) / 0.03 + 0.4)
     assert np.ptp(found, axis=1).max() < 1e-12
     assert np.sign(np.sum(found * exact)) * found == pytest.approx(exact, abs=0.03)
     with pytest.raises(InputError, match=r"do not lie along y .*; name their column y"):
-        smoothed_scan_of_file(path, ScanFile("scan.csv", along="y", origin_m=origin_m), plate)
+        smoothed_scan(path, ScanFile("scan.csv", along="y", origin_m=origin_m), plate)
     path.write_text(content.replace("Position", "y"))
-    turned = smoothed_scan_of_file(
+    turned = smoothed_scan(
         path, ScanFile("scan.csv", along="y", origin_m=(0.0, 0.045)), Rectangle(0.03, 0.09)
     )
     values = turned.profile.amplitude(x_m=y_m, y_m=x_m)
     assert values == pytest.approx(found, abs=1e-6)
     x, y = (each.ravel() for each in np.meshgrid(np.linspace(-45, 45, 61), np.linspace(-15, 15, 7)))
     path.write_text(text("x_mm,y_mm,uz_um", x, y, np.cos(np.pi * x / 30) * (1 + y / 40)))
-    warned = smoothed_scan_of_file(path, ScanFile("scan.csv", along="x"), plate).warnings
+    warned = smoothed_scan(path, ScanFile("scan.csv", along="x"), plate).warnings
     assert "varies across too" in warned[-1]
     with pytest.raises(InputError, match=r"profile.along: is of a rectangle; a disc has axisymm"):
         sf.Film.of(
@@ -819,7 +812,7 @@ def test_points_on_an_axis_are_a_line_and_its_wants_are_told_together(tmp_path):
     path.write_text(text("x_mm,y_mm,uz_um", r, 0 * r, np.sinc(0.1098 * (r - 50))))
     wants = r"axisymmetric: true; and line 102: .*origin: \[50 mm, 0 mm\], the middle"
     with pytest.raises(InputError, match=wants):
-        smoothed_scan_of_file(path, FREE_SHAPE, Disc(RADIUS_M))
+        smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M))
     marked = with_header("x_mm,y_mm,amplitude_um,phase_deg") + "1,1,-99.9999,0\n"
     with pytest.raises(InputError, match=r"negative .* marks an invalid row, write nan"):
         read(path, marked)
@@ -829,7 +822,7 @@ def test_zeros_of_points_not_measured_are_named(tmp_path):
     path, zeros = tmp_path / "scan.csv", np.random.default_rng(2).random(len(X)) < 0.15
     path.write_text(text("x_mm,y_mm,uz_um", X, Y, np.where(zeros, 0, U)), encoding="utf-8")
     with pytest.raises(InputError, match=r"amplitude is 0; write nan where nothing was"):
-        smoothed_scan_of_file(path, AXISYMMETRIC, Disc(RADIUS_M))
+        smoothed_scan(path, AXISYMMETRIC, Disc(RADIUS_M))
 
 
 def test_what_a_part_of_a_surface_lacks_is_named(tmp_path):
@@ -837,11 +830,11 @@ def test_what_a_part_of_a_surface_lacks_is_named(tmp_path):
     path, part = tmp_path / "scan.csv", (X >= 0) & (Y <= 0)
     path.write_text(text("x_mm,y_mm,uz_um", X[part], Y[part], U[part]), encoding="utf-8")
     with pytest.raises(InputError, match=r"of a half or a quarter.*axisymmetric: true"):
-        smoothed_scan_of_file(path, FREE_SHAPE, Disc(RADIUS_M))
+        smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M))
     plate = Rectangle(2 * RADIUS_M, RADIUS_M)
     path.write_text(text("x_mm,uz_um", X, U), encoding="utf-8")
     with pytest.raises(InputError, match=r"line.*across it.*profile.along: x \(or y") as refusal:
-        smoothed_scan_of_file(path, FREE_SHAPE, plate)
+        smoothed_scan(path, FREE_SHAPE, plate)
     assert "wavelength" not in str(refusal.value)  # which the file does not say
 
 
@@ -1067,14 +1060,14 @@ def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
     path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)
     path.write_text(text("x_mm,y_mm,amplitude_um", X + 100, Y - 20, U))
     with pytest.raises(InputError, match=r"all lie on it with .*origin: \[100 mm, -20 mm\]"):
-        smoothed_scan_of_file(path, FREE_SHAPE, surface)
-    same(read_scan(path, origin_m=(0.1, -0.02)))
+        smoothed_scan(path, FREE_SHAPE, surface)
+    same(read_scan(path, frequency_hz=FREQUENCY_HZ, origin_m=(0.1, -0.02)))
     path.write_text(text("x_m,y_m,amplitude_um", X, Y, U))
     with pytest.raises(InputError, match="positions 1000 times smaller"):
-        smoothed_scan_of_file(path, AXISYMMETRIC, surface)
+        smoothed_scan(path, AXISYMMETRIC, surface)
     path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
     with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
-        smoothed_scan_of_file(path, ScanFile("scan.csv", scale="measured"), surface)
+        smoothed_scan(path, ScanFile("scan.csv", scale="measured"), surface)
 
 
 def off_centre_grid(step: float, offset: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -1092,14 +1085,14 @@ def test_the_centre_that_is_proposed_is_the_shapes_own(tmp_path):
     x, y, u = off_centre_grid(0.9, 0.35)
     path.write_text(text("x_mm,y_mm,amplitude_um", x, y, u))
     with pytest.raises(InputError, match="symmetric") as refusal:
-        smoothed_scan_of_file(path, FREE_SHAPE, surface)
+        smoothed_scan(path, FREE_SHAPE, surface)
     _, _, origin = str(refusal.value).partition("origin: [")
     named = [float(each.removesuffix("mm")) for each in origin.partition("]")[0].split(",")]
     assert named == pytest.approx([12.5, 11], abs=0.03)
     origin_m = (named[0] / 1e3, named[1] / 1e3)
-    scan = smoothed_scan_of_file(path, ScanFile("scan.csv", origin_m=origin_m), surface)
+    scan = smoothed_scan(path, ScanFile("scan.csv", origin_m=origin_m), surface)
     assert not scan.warnings
-    wrong = smoothed_scan_of_file(path, ScanFile("scan.csv", origin_m=(12.4e-3, 10.9e-3)), surface)
+    wrong = smoothed_scan(path, ScanFile("scan.csv", origin_m=(12.4e-3, 10.9e-3)), surface)
     assert "0.14 mm from actuator.profile.origin" in wrong.warnings[0]
 
 
@@ -1120,11 +1113,11 @@ def test_an_origin_that_is_proposed_puts_all_points_on_the_surface(tmp_path):
     path = tmp_path / "scan.csv"
     path.write_text(text("x_mm,y_mm,amplitude_um", 1.07 * X + 30, 1.07 * Y, U))
     with pytest.raises(InputError, match=r"about .* \[30 mm, 0 mm\], they reach beyond it by 1.5%"):
-        smoothed_scan_of_file(path, FREE_SHAPE, Disc(RADIUS_M))
+        smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M))
     noise = np.random.default_rng(1).standard_normal(len(X))
     path.write_text(text("x_mm,y_mm,amplitude_um", 0.95 * X + 30, 0.95 * Y, U + noise))
     with pytest.raises(InputError, match=r"middle of their extents, which may be 1.9 mm off"):
-        smoothed_scan_of_file(path, FREE_SHAPE, Disc(RADIUS_M))
+        smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M))
 
 
 def test_accelerations_are_divided_by_the_angular_frequency_twice(tmp_path):
@@ -1163,7 +1156,7 @@ def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothin
     for name, lines in (("gaps.csv", with_gaps), ("without.csv", without)):
         path = tmp_path / name
         path.write_text("\n".join(lines) + "\n")
-        found.append(smoothed_scan_of_file(path, FREE_SHAPE, Disc(RADIUS_M)))
+        found.append(smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M)))
     gaps, rest = found
     assert gaps.noise_m == rest.noise_m
     assert gaps.profile.coefficients == rest.profile.coefficients

@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from squeezefilm.cli.main import main
 from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
 from squeezefilm.tables import (
@@ -138,22 +137,21 @@ def forces(**changes: object) -> pd.DataFrame:
         ("5,2\n5,2,0\n5,2,0,1", (2, 4)),
     ],
 )
-def test_all_invalid_rows_are_named_at_once(rows, lines, tmp_path, capsys):
+def test_all_invalid_rows_are_named_at_once(rows, lines, tmp_path, refused):
     path = tmp_path / "scenes.csv"
     path.write_text(f"h0_um,hv_um,x_mm\n{rows}\n", encoding="utf-8")
-    assert main(["simulate", str(path), "--output", str(tmp_path / "forces.csv")]) == 2
-    told = capsys.readouterr().err.removeprefix("squeezefilm: error: ").splitlines()
+    message = refused("simulate", path, "--output", tmp_path / "forces.csv")
+    told = message.removeprefix("squeezefilm: error: ").splitlines()
     assert [line.split(": ")[0] for line in told] == [str(path)] * len(lines)
     assert [int(line.split("line ")[1].split(":")[0]) for line in told] == [*lines]
 
 
-def test_parquet_without_its_package_ends_before_anything_is_solved(monkeypatch, tmp_path, capsys):
+def test_parquet_without_its_package_ends_before_anything_is_solved(monkeypatch, tmp_path, refused):
     """Forces of points were solved first, and lost."""
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     monkeypatch.setattr("squeezefilm.cli.film.film_of_options", pytest.fail)
-    words = ["simulate", "--h0=5um", "--hv=1um,2um", "--output", str(tmp_path / "curve.parquet")]
-    assert main(words) == 2
-    assert "needs pyarrow: pip install 'squeezefilm[parquet]'" in capsys.readouterr().err
+    words = ["simulate", "--h0=5um", "--hv=1um,2um", "--output", tmp_path / "curve.parquet"]
+    assert "needs pyarrow: pip install 'squeezefilm[parquet]'" in refused(*words)
 
 
 def test_of_many_invalid_rows_the_first_are_named_and_the_rest_counted(scenes):

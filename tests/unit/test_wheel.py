@@ -24,16 +24,18 @@ assert sf.__file__.startswith(sys.argv[1]), sf.__file__
 """
 
 
-def alone(site: Path, code: str, *words: str) -> subprocess.CompletedProcess[str]:
+def printed(site: Path, code: str) -> str:
     """Run code after importing the library from the wheel, isolated, outside the checkout."""
-    return subprocess.run(
-        [sys.executable, "-I", "-c", ALONE + code, str(site), *words],
+    done = subprocess.run(
+        [sys.executable, "-I", "-c", ALONE + code, str(site)],
         cwd=site,
         env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
         capture_output=True,
         text=True,
         check=False,
     )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 def test_the_wheel_is_what_the_rules_import_with_all_its_data_and_nothing_else(
@@ -62,9 +64,7 @@ def test_a_force_needs_no_checkout_and_no_workflow(installed):
         "    gas={'inertia': 'none', 'thermal': 'none'})\n"
         "print(float(film.force('5 um', '2.2 um', tolerance=1e-4)))"
     )
-    done = alone(installed, code)
-    assert done.returncode == 0, done.stderr
-    assert float(done.stdout) == pytest.approx(0.962042, rel=1e-4)
+    assert float(printed(installed, code)) == pytest.approx(0.962042, rel=1e-4)
 
 
 def test_a_search_for_parameters_needs_no_extra(installed):
@@ -74,9 +74,7 @@ def test_a_search_for_parameters_needs_no_extra(installed):
         "ends = {'lower': np.zeros(1), 'upper': np.ones(1)}\n"
         "print(genetic_search(lambda x: (x[:, 0] - 0.3) ** 2, **ends, seed=1).x[0])\n"
     )
-    done = alone(installed, code)
-    assert done.returncode == 0, done.stderr
-    assert float(done.stdout) == pytest.approx(0.3, abs=1e-3)
+    assert float(printed(installed, code)) == pytest.approx(0.3, abs=1e-3)
 
 
 def test_what_needs_an_extra_names_it(installed):
@@ -89,9 +87,8 @@ def test_what_needs_an_extra_names_it(installed):
         "try:\n    read_scenes('some.parquet')\n"
         "except sf.InputError as error:\n    print(error)\n"
     )
-    done = alone(installed, code)
-    told = done.stdout.splitlines()
+    told = printed(installed, code).splitlines()
     assert [
         f"squeezefilm[{extra}]" in line
         for extra, line in zip(("fields", "parquet"), told, strict=True)
-    ] == [True] * 2, done
+    ] == [True] * 2, told

@@ -5,13 +5,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from squeezefilm.api.dynamics import levitations
 from squeezefilm.api.film import Film
-from squeezefilm.api.forces import budget_table, scan_error_function
-from squeezefilm.dynamics.levitation import (
-    levitation_rows,
-    levitation_table,
-    loads_and_amplitudes_of_table,
-)
+from squeezefilm.api.forces import budget_table
+from squeezefilm.dynamics.levitation import levitation_table, loads_and_amplitudes_of_table
 from squeezefilm.dynamics.response import gain_table, response_table
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAP_RANGE_M
@@ -24,13 +21,9 @@ MODULATION_FREQUENCIES_HZ = np.geomspace(3, 4000, 60).round(1)
 
 def levitation_table_of_forces(study: Film, forces_file: str) -> pd.DataFrame:
     """The gaps that carry loads like the plan's forces."""
-    settings = study.solver()
     loads_n, amplitudes_m = loads_and_amplitudes_of_table(forces_file)
     moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAP_RANGE_M[1]}))
-    how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
-    scan_error_n = scan_error_function(study.scan, device=settings.device)
-    rows = levitation_rows(moved, loads_n, how=how, scan_error_n=scan_error_n)
-    return levitation_table(rows, resonances=False)
+    return levitation_table(levitations(study, moved, loads_n, mass_kg=None), resonances=False)
 
 
 def cross_section_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFrame:

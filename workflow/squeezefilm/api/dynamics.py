@@ -71,16 +71,10 @@ def levitation_scenes(
     return film.scenes({**points, "h0_m": (GAP_RANGE_M[1],) * len(points["hv_m"])})
 
 
-def levitation_settings(film: Film) -> dict[str, Any]:
-    """Return the settings by which a film's gaps are sought."""
-    settings = film.solver()
-    return settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
-
-
 def levitations(
     film: Film, scenes: Scenes, loads_n: Sequence[float], *, mass_kg: float | None
 ) -> Iterator[dict[str, Any]]:
     """Yield a row for each scene and load, with its gap, as soon as it is known."""
     off_n = scan_error_function(film.scan, device=film.device)
-    how = levitation_settings(film)
+    how = film.solver().levitation_arguments
     yield from levitation_rows(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg)

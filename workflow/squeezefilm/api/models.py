@@ -22,7 +22,6 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.formatting import result_lines_text
 from squeezefilm.lazy import pd
-from squeezefilm.reynolds import solve
 from squeezefilm.tables import FACTOR_COLUMNS, failed_point_texts, normalise_points, write_json
 
 if TYPE_CHECKING:
@@ -327,9 +326,7 @@ class Study(Film):
 
     def _points_with_forces(self, points: pd.DataFrame) -> pd.DataFrame:
         """The points with their forces."""
-        settings = self.solver(outputs=())
-        scenes = settings.with_auto_terms_decided(self.scenes(points))
-        forces = solve(scenes, **settings.solve_arguments).to_frame(points.index)
+        forces = self.solver(outputs=()).solve(self.scenes(points)).to_frame(points.index)
         return points.assign(**forces[["force_n", "force_error_n", "status", "absent_terms"]])
 
 

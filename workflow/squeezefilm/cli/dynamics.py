@@ -11,7 +11,6 @@ import numpy as np
 from squeezefilm.api.dynamics import (
     DEFAULT_FREQUENCIES_TEXT,
     levitation_scenes,
-    levitation_settings,
     levitations,
     parse_loads_and_mass,
 )
@@ -109,7 +108,9 @@ def levitate(options: argparse.Namespace) -> None:
     if options.json or status == OK:
         print(result_text(rows[0], options))
     if status != OK:
-        raise RunError(f"{status}; {valid_range_text(scenes[0], **levitation_settings(film))}")
+        raise RunError(
+            f"{status}; {valid_range_text(scenes[0], **film.solver().levitation_arguments)}"
+        )
 
 
 def _numbered_reasons(statuses: pd.Series) -> tuple[pd.Series, list[str]]:

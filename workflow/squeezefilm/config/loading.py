@@ -354,12 +354,12 @@ def study_notes(config: Study) -> Iterator[str]:
 
 def unit_notes(config: FilmSections) -> Iterator[str]:
     """Yield notes on numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT."""
-    for place, value in config.written_values.items():
-        unit = unit_of_schema(_schema_of_config_key(config, place))
+    for key_path, value in config.written_values.items():
+        unit = unit_of_schema(_schema_of_config_key(config, key_path))
         if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):
             least, most, meant = USUAL_RANGE_AND_INPUT_UNIT[unit]
             if not least <= abs(value) <= most:
-                key = ".".join(map(str, place))
+                key = ".".join(map(str, key_path))
                 yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 

@@ -184,22 +184,22 @@ def levitate(
             f"load: no gap from {_micrometre_text(gaps_m[0])} to {_micrometre_text(gaps_m[-1])} "
             f"carries {load_n:g} N at hv = {_micrometre_text(scene.hv_m)}; forces there: {carried}"
         )
-    found, note = _scene_at_load(
+    scene_at_load, note = _scene_at_load(
         scene, rough[-1], load_n=load_n, model_tolerance=model_tolerance, how=how
     )
     notes = [*unsupported_auto_term_texts(scene, method=method), *[note] * bool(note)]
     not_given = f"load: no gap is given for {load_n:g} N: "
-    if limits := exceeded_limit_texts(found):
+    if limits := exceeded_limit_texts(scene_at_load):
         raise RunError(not_given + "; ".join([*limits, *notes]))
-    (budget,) = error_budgets([found], device=device)
+    (budget,) = error_budgets([scene_at_load], device=device)
     levitation = replace(
-        _levitation_at_gap(found, load_n=load_n, how=how),
+        _levitation_at_gap(scene_at_load, load_n=load_n, how=how),
         other_gaps_m=tuple(other.gap_m for other in rough[:-1]),
         budget=budget,
-        notes=(*notes, *validity_notes(found)),
+        notes=(*notes, *validity_notes(scene_at_load)),
     )
     error_m = levitation.known_modelling_error_m
-    if budget.status == OK and not error_m <= MAX_RELATIVE_MODELLING_ERROR * found.h0_m:
+    if budget.status == OK and not error_m <= MAX_RELATIVE_MODELLING_ERROR * scene_at_load.h0_m:
         too_large = (
             f"the gap's modelling error, up to {1e6 * error_m:.2g} µm, is more than a tenth of the "
             "gap"
@@ -331,14 +331,16 @@ def _gap_at_load(
         force_n = float(_require_finite(solution.force_n, at_gap, solution.status))
         return log(max(force_n / load_n, MIN_FORCE_OVER_LOAD))
 
-    found = _secant_gap_at_load(
+    rough_gap = _secant_gap_at_load(
         partial(log_force_over_load, how=rough), start, precision=ROUGH_FORCE_TOLERANCE / 10
     )
     # The gap may lie anywhere here; where all of it is outside, none is given.
-    ends = (1 + ROUGH_FORCE_TOLERANCE * np.array([-1, 1])) * found.gap_m
+    ends = (1 + ROUGH_FORCE_TOLERANCE * np.array([-1, 1])) * rough_gap.gap_m
     if all(map(exceeded_limit_texts, _scenes_at_gaps(scene, ends))):
-        return found
-    return _secant_gap_at_load(partial(log_force_over_load, how=how), found, precision=tolerance)
+        return rough_gap
+    return _secant_gap_at_load(
+        partial(log_force_over_load, how=how), rough_gap, precision=tolerance
+    )
 
 
 def _levitation_at_gap(scene: Scene, *, load_n: float, how: dict[str, Any]) -> Levitation:
@@ -504,15 +506,15 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     error = scale * _stiffness_error(film, scene, root, lag, slow / scale)
     error += levitation.stiffness_error_n_per_m / unit
     moved += error / abs(slope)
-    found = Resonance(
+    known = Resonance(
         frequency_hz=root.imag * scene.actuator.frequency_hz,
         frequency_error_hz=moved * scene.actuator.frequency_hz,
         damping_ratio=-root.real / abs(root),
         damping_ratio_error=moved / abs(root),
     )
-    if round_up_error(found.frequency_error_hz) < found.frequency_hz:
-        return found
-    return found._replace(reason="resonance not known: its error is as large as its value")
+    if round_up_error(known.frequency_error_hz) < known.frequency_hz:
+        return known
+    return known._replace(reason="resonance not known: its error is as large as its value")
 
 
 def _motion_root_and_slope(
@@ -576,20 +578,20 @@ def _unknown_resonance(reason: str) -> Resonance:
 
 # Of a table of levitations, between the load and its status.
 LEVITATION_COLUMNS: dict[str, Callable[[Levitation], object]] = {
-    "h0_m": lambda found: found.scene.h0_m,
-    "h0_error_m": lambda found: found.h0_error_m,
-    "h0_modelling_error_lower_m": lambda found: found.modelling_error_m[0],
-    "h0_modelling_error_upper_m": lambda found: found.modelling_error_m[1],
-    "other_gaps_m": lambda found: "; ".join(f"{each:.3g}" for each in found.other_gaps_m),
-    "stiffness_n_per_m": lambda found: found.stiffness_n_per_m,
-    "stiffness_error_n_per_m": lambda found: found.stiffness_error_n_per_m,
-    "stable": lambda found: found.is_stable,
-    "epsilon": lambda found: found.scene.epsilon,
-    "modified_reynolds": lambda found: found.scene.modified_reynolds,
-    "inertia": lambda found: found.scene.gas.inertia,
-    "modelling_error_lower_percent": lambda found: found.budget.modelling_error_percent[0],
-    "modelling_error_upper_percent": lambda found: found.budget.modelling_error_percent[1],
-    "unknown_effects": lambda found: "; ".join(found.budget.unknown_effect_names),
+    "h0_m": lambda part: part.scene.h0_m,
+    "h0_error_m": lambda part: part.h0_error_m,
+    "h0_modelling_error_lower_m": lambda part: part.modelling_error_m[0],
+    "h0_modelling_error_upper_m": lambda part: part.modelling_error_m[1],
+    "other_gaps_m": lambda part: "; ".join(f"{each:.3g}" for each in part.other_gaps_m),
+    "stiffness_n_per_m": lambda part: part.stiffness_n_per_m,
+    "stiffness_error_n_per_m": lambda part: part.stiffness_error_n_per_m,
+    "stable": lambda part: part.is_stable,
+    "epsilon": lambda part: part.scene.epsilon,
+    "modified_reynolds": lambda part: part.scene.modified_reynolds,
+    "inertia": lambda part: part.scene.gas.inertia,
+    "modelling_error_lower_percent": lambda part: part.budget.modelling_error_percent[0],
+    "modelling_error_upper_percent": lambda part: part.budget.modelling_error_percent[1],
+    "unknown_effects": lambda part: "; ".join(part.budget.unknown_effect_names),
 }
 
 

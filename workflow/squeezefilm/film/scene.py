@@ -413,14 +413,14 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         self, find: Callable[[PadPositions], Result]
     ) -> tuple[list[Result], np.ndarray]:
         """Something at the pad's positions, film by film, and which of all these each scene has."""
-        found, count = [], 0
+        results, count = [], 0
         which = np.empty(len(self), dtype=np.int64)
-        for _, rows, some in self.split_by_film():
-            places, at = some.pad_positions
+        for _, rows, scenes_of_film in self.split_by_film():
+            positions, at = scenes_of_film.pad_positions
             which[rows] = count + at
-            count += len(places.x_m)
-            found.append(find(places))
-        return found, which
+            count += len(positions.x_m)
+            results.append(find(positions))
+        return results, which
 
     @cached_property
     def is_flat(self) -> bool:

@@ -214,12 +214,7 @@ class Rectangle:
         )
 
     def orders_up_to(
-        self,
-        degree: int,
-        *,
-        degrees_more: int = 0,
-        coordinate: str = "",
-        wave_ratio: float = 1.0,
+        self, degree: int, *, degrees_more: int = 0, coordinate: str = "", wave_ratio: float = 1.0
     ) -> ModeOrders:
         """Modes (i, j) within the ellipse of ``degree`` along one side and no more along the other.
 

@@ -261,8 +261,8 @@ def axisymmetric_mask(pad_positions: PadPositions) -> np.ndarray:
     return pad_positions.compute_cached(_find_axisymmetric_mask)
 
 
-def _find_axisymmetric_mask(places: PadPositions) -> np.ndarray:
-    pad, same = places.pad_profile.pad, np.zeros(len(places.x_m), dtype=bool)
+def _find_axisymmetric_mask(positions: PadPositions) -> np.ndarray:
+    pad, same = positions.pad_profile.pad, np.zeros(len(positions.x_m), dtype=bool)
     disc = pad.shape == "ellipse" and pad.length_x_m == pad.length_y_m
     if not disc or pad.gap.tilt_x_m or pad.gap.tilt_y_m or pad.speed_x_m_per_s:
         return same
@@ -270,17 +270,18 @@ def _find_axisymmetric_mask(places: PadPositions) -> np.ndarray:
     radius = draw.uniform(0, 0.5, CHECK_POINT_COUNT)
     angle, other = draw.uniform(0, 2 * np.pi, (2, CHECK_POINT_COUNT))
     few = (values[:FIRST_CHECK_POINT_COUNT] for values in (radius, angle, other))
-    rows = np.flatnonzero(_equal_on_circles_mask(places, *few))
-    for some in np.array_split(rows, 1 + len(rows) // POSITIONS_CHECKED_TOGETHER):
-        same[some] = _equal_on_circles_mask(places.subset(some), radius, angle, other)
-    x_m, y_m = narrow_feature_points(places.pad_profile.profile)
+    rows = np.flatnonzero(_equal_on_circles_mask(positions, *few))
+    for batch in np.array_split(rows, 1 + len(rows) // POSITIONS_CHECKED_TOGETHER):
+        same[batch] = _equal_on_circles_mask(positions.subset(batch), radius, angle, other)
+    x_m, y_m = narrow_feature_points(positions.pad_profile.profile)
     for row in np.flatnonzero(same).tolist() if len(x_m) else ():
-        from_centre = x_m - places.x_m[row] + 1j * (y_m - places.y_m[row])
+        from_centre = x_m - positions.x_m[row] + 1j * (y_m - positions.y_m[row])
         radius, angle = abs(from_centre) / pad.length_x_m, np.angle(from_centre)
         inside = radius < 0.5
         at = radius[inside], angle[inside] - radians(pad.rotation_deg), other[: inside.sum()]
         same[row] = (
-            not inside.any() or _equal_on_circles_mask(places.subset(slice(row, row + 1)), *at)[0]
+            not inside.any()
+            or _equal_on_circles_mask(positions.subset(slice(row, row + 1)), *at)[0]
         )
     return same
 

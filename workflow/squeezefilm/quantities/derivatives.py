@@ -12,7 +12,7 @@ import numpy as np
 
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.states import (
-    STATE_VALUES_PER_BATCH,
+    MIN_FORCE_TOLERANCE,
     error_per_grid_change,
     row_groups_on_equal_grids,
     with_states,
@@ -25,8 +25,6 @@ from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
 from squeezefilm.solution import DERIVATIVE_COLUMNS, Derivatives, Solution, Solutions
 
-# Below this, iterations would end in rounding.
-MIN_FORCE_TOLERANCE = 1e-8
 # A derivative's change from grid to grid is no less than this fraction of the largest of a scene's:
 # without it 15 of 5156 of 200 random films were off by up to 8 times their error.
 MIN_GRID_CHANGE_FRACTION = 0.3
@@ -57,7 +55,7 @@ def with_derivatives(
     for row, status in zip(known.tolist(), solved.status, strict=True):
         results[row] = Derivatives(status=status)
     device = device or choose_device()
-    for rows in row_groups_on_equal_grids(films, solved, numbers=STATE_VALUES_PER_BATCH):
+    for rows in row_groups_on_equal_grids(films, solved):
         of_group = _derivatives_of_group(
             films[rows], solved[rows], tolerance=tolerance, device=device
         )

@@ -59,14 +59,14 @@ def moving_profile_changes(
 def _moving_profile_changes_on_grid(own: Fields, *, device: Device) -> np.ndarray:
     """Changes of the mean pressure over it, and what orders above the second may add."""
     count = len(own.scenes)
-    places = [
+    moved_scenes = [
         scene_with_quantity_changed(
             scene, "x_m", steps * NEIGHBOUR_DISTANCE_FRACTION * scene.pad.length_x_m
         )
         for steps in range(-2, 3)
         for scene in own.scenes
     ]
-    films = Fields.of(places, own.grid, np.concatenate([own.unknowns] * 5))
+    films = Fields.of(moved_scenes, own.grid, np.concatenate([own.unknowns] * 5))
     source: dict[str, np.ndarray] = {}
     means, pressures = [], []
     for order in range(3):

@@ -24,7 +24,7 @@ from squeezefilm.quantities.sheared_gas import (
     first_order_remainder_of_scene,
     scaled_sheared_gas_thrust,
 )
-from squeezefilm.quantities.states import error_per_grid_change, with_states
+from squeezefilm.quantities.states import MIN_FORCE_TOLERANCE, error_per_grid_change, with_states
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.error_estimate import ALLOWED_ROUND_OFF_FACTOR, RELATIVE_ROUND_OFF
 from squeezefilm.reynolds.grid import Grid
@@ -41,8 +41,6 @@ from squeezefilm.solution import (
     validated_output_names,
 )
 
-# Below this, iterations would end in rounding.
-MIN_FORCE_TOLERANCE = 1e-8
 # A scene is solved again to this share of the tolerance, and so on, until its outputs hold it.
 TIGHTER_TOLERANCE_FACTOR, MAX_TIGHTER_SOLVES = 1 / 30, 3
 # No output changes less than this share of the largest change among those alike, each over its
@@ -295,7 +293,7 @@ def output_weights(film: SampledState) -> dict[str, np.ndarray]:
             for slope, length in zip(film.slopes, lengths, strict=True)
         )
     )
-    found = {
+    weights = {
         FORCE_NAME: force * np.stack([one, nothing, nothing]),
         "moment_x": force * np.stack([y, nothing, nothing]),
         "moment_y": force * np.stack([-x, nothing, nothing]),
@@ -309,8 +307,8 @@ def output_weights(film: SampledState) -> dict[str, np.ndarray]:
     }
     for k, n, part in np.ndindex(GUARD_MOMENT_COUNT, GUARD_MOMENT_COUNT, 3):
         wave = np.cos(2 * np.pi * k * film.x) * np.cos(2 * np.pi * n * film.y)
-        found[f"{GUARD_MOMENT_NAME} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
-    return {name: film.symmetric_part(weight) for name, weight in found.items()}
+        weights[f"{GUARD_MOMENT_NAME} {k} {n} {part}"] = np.eye(3)[part][:, None] * wave
+    return {name: film.symmetric_part(weight) for name, weight in weights.items()}
 
 
 class SampledState:

@@ -22,6 +22,10 @@ from squeezefilm.solution import Solution, Solutions
 # Of a gas with inertia, or that warms, changes creep or fall suddenly: so many times the change is
 # taken. That of a quantity has no size beside it, as that of the force has.
 VELOCITY_ERROR_FACTOR = 2.0
+# Below this, iterations would end in rounding.
+MIN_FORCE_TOLERANCE = 1e-8
+# Numbers of the finer states of films that are solved together; more would fall out of the caches.
+STATE_VALUES_PER_BATCH = 2**19
 
 
 def with_states(
@@ -36,14 +40,8 @@ def with_states(
     return solutions.with_replaced_rows(missing, solved)
 
 
-def row_groups_on_equal_grids(
-    scenes: Scenes, solutions: Solutions, *, numbers: int
-) -> Iterator[np.ndarray]:
-    """The rows of scenes whose states are on the same grids, of like terms and pads.
-
-    Args:
-        numbers: of the finer states of a group; more would fall out of the caches.
-    """
+def row_groups_on_equal_grids(scenes: Scenes, solutions: Solutions) -> Iterator[np.ndarray]:
+    """The rows of scenes whose states are on the same grids, of like terms and pads."""
     if not len(scenes):
         return
     kinds, kind = distinct_term_sets(scenes)
@@ -53,13 +51,9 @@ def row_groups_on_equal_grids(
         if states:
             groups[tuple(state.grid for state in states), kinds[kind[k]], aspect[k]].append(k)
     for (grids, *_), group in groups.items():
-        step = max(1, numbers // grids[-1].unknown_count)
+        step = max(1, STATE_VALUES_PER_BATCH // grids[-1].unknown_count)
         for first in range(0, len(group), step):
             yield np.array(group[first : first + step])
-
-
-# Numbers of the finer states of films that are solved together.
-STATE_VALUES_PER_BATCH = 2**19
 
 
 def force_changes_and_errors(
@@ -82,7 +76,7 @@ def force_changes_and_errors(
     """
     scenes, solutions = Scenes.of(scenes), Solutions.of(solutions)
     changes_and_errors = np.full((2, changes, len(scenes)), np.nan)
-    for rows in row_groups_on_equal_grids(scenes, solutions, numbers=STATE_VALUES_PER_BATCH):
+    for rows in row_groups_on_equal_grids(scenes, solutions):
         group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
             on_grid(Fields.of(group, states[0].grid, np.stack([each.unknowns for each in states])))

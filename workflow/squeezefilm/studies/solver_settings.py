@@ -10,8 +10,8 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.model_error import resolve_auto_terms
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.kernel_cache import build_lock
-from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.solution import validated_output_names
+from squeezefilm.reynolds.solver import METHODS, solve
+from squeezefilm.solution import Solutions, validated_output_names
 
 TOLERANCE_RANGE = (1e-10, 0.1)
 
@@ -35,6 +35,15 @@ class SolverSettings:
         """The scenes with what of their gas is ``auto`` decided."""
         how: dict[str, Any] = {"model_tolerance": self.model_tolerance, "method": self.method}
         return resolve_auto_terms(scenes, **how, device=self.device)
+
+    def solve(self, scenes: Scenes | Sequence[Scene]) -> Solutions:
+        """Solutions of scenes, whose ``auto`` terms are decided, without further quantities."""
+        return solve(self.with_auto_terms_decided(scenes), **self.solve_arguments)
+
+    @property
+    def levitation_arguments(self) -> dict[str, Any]:
+        """Keyword arguments of ``levitate``."""
+        return self.solve_arguments | {"model_tolerance": self.model_tolerance}
 
 
 def device_of_config(config: FilmSections, *, option: str | None = None) -> Device:

@@ -21,7 +21,6 @@ from squeezefilm.config.loading import with_changed_keys
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
-from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.study import scene_of_study
 from squeezefilm_workflow.reporting.notes import five_digit_text
@@ -64,11 +63,7 @@ def uncertainty_page(results: Results) -> Page:
     """The page of the study's differences from the paper; its forces are simulated for it."""
     config = results.config
     settings = solver_settings(config, outputs=())
-
-    def simulated_forces_n(scenes: Sequence[Scene]) -> np.ndarray:
-        return solve(settings.with_auto_terms_decided(scenes), **settings.solve_arguments).force_n
-
-    table = assumptions_table(config, forces=simulated_forces_n)
+    table = assumptions_table(config, forces=lambda scenes: settings.solve(scenes).force_n)
     differences = [
         {
             "claim": claim,

@@ -136,8 +136,8 @@ def _parameters_with_intervals(
     for fit in fits:
         if 0 < len(fit.theta) < len(factors):
             theta = local_fit_theta(fit.force_model, factors, force_n, fit.theta)
-            found = parameter_ranges(fit.force_model, factors, force_n, theta)
-            rows += [{"model": fit.model} | each.to_dict() for each in found]
+            ranges = parameter_ranges(fit.force_model, factors, force_n, theta)
+            rows += [{"model": fit.model} | each.to_dict() for each in ranges]
     table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
     table["unit"] = table["unit"].str.replace("**", "^")
     return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
@@ -286,10 +286,10 @@ def _recommendation_rows(
     if space == "two_factor":  # the centre alone: models know no other
         positions = pd.DataFrame([dict.fromkeys(find_position_columns(every), 0.0)])
     for row in positions.sort_values(list(positions.columns)).to_dict("records"):
-        place = {str(name): float(value) for name, value in row.items()}
-        at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **place)
-        found = amplitude_row(fit, at, force_n=target.force_n)
-        yield {**about, "h0_m": target.h0_m, **place, **found}
+        position = {str(name): float(value) for name, value in row.items()}
+        at = Factors.of(h0_m=target.h0_m, hv_m=target.hv_m, **position)
+        amplitude = amplitude_row(fit, at, force_n=target.force_n)
+        yield {**about, "h0_m": target.h0_m, **position, **amplitude}
 
 
 def refine_page(results: Results, *, space: str) -> Page:

@@ -84,8 +84,8 @@ def ablation_table(
     rows = []
     for tolerance, (re_enabled, (way, changed)) in product(tolerances, ways.items()):
         call = partial(way, changed, tolerance=tolerance)
-        found, (_, cpu_s, _) = measure_call_times(call, repeats=repeats, long_seconds=np.inf)
-        error, stated = np.abs(found.force_n - exact), found.force_error_n
+        forces, (_, cpu_s, _) = measure_call_times(call, repeats=repeats, long_seconds=np.inf)
+        error, stated = np.abs(forces.force_n - exact), forces.force_error_n
         row = {
             "re_enabled": re_enabled,
             "tolerance": tolerance,

@@ -293,10 +293,7 @@ class FilmOnPoints:
         scene = self.scene
         per_velocity = scene.sigma * scene.h0_m / scene.pad.length_x_m * self.effects.edge_flow
         inertance = scene.modified_reynolds * float(edge_inertance(scene))
-        return {
-            "resistance": per_velocity * EDGE_RESISTANCE,
-            "inertance": per_velocity * inertance,
-        }
+        return {"resistance": per_velocity * EDGE_RESISTANCE, "inertance": per_velocity * inertance}
 
     def slip_length(self, mass: np.ndarray) -> np.ndarray:
         """Return the slip length times the density over h0, for P H."""

@@ -26,7 +26,6 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene
 from squeezefilm.models.prediction_interval import NORMAL_QUANTILES, PROFILE_UNCERTAINTY_LEVEL
 from squeezefilm.quantities.model_error import ErrorBudget
-from squeezefilm.reynolds import solve
 from squeezefilm.studies.space import space_of_study, table_of_points
 from squeezefilm_workflow.verification.reference import reference_force
 
@@ -142,8 +141,7 @@ def forces_and_errors(
     scenes: Sequence[Scene], study: Study, *, tolerance: float | None = None
 ) -> np.ndarray:
     """Forces and their errors, NaN where there is none, shape (2, n)."""
-    settings = study.solver(tolerance=tolerance, outputs=())
-    solutions = solve(settings.with_auto_terms_decided(scenes), **settings.solve_arguments)
+    solutions = study.solver(tolerance=tolerance, outputs=()).solve(scenes)
     return np.array([solutions.force_n, solutions.force_error_n])
 
 
@@ -265,10 +263,8 @@ def _neglected_effects(
 
 def _compare_levitation(scene: Scene, load_n: float, study: Study) -> Iterator[Comparison]:
     """Gap, stiffness and modelling error under a load."""
-    settings = study.solver()
-    how = settings.solve_arguments | {"model_tolerance": settings.model_tolerance}
     try:
-        levitation = levitate(scene, load_n=load_n, **how)
+        levitation = levitate(scene, load_n=load_n, **study.solver().levitation_arguments)
     except (InputError, RunError):
         return
     scene, h0_m, stiffness = levitation.scene, levitation.scene.h0_m, levitation.stiffness_n_per_m

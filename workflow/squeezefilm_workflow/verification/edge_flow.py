@@ -40,6 +40,8 @@ from squeezefilm_workflow.verification.marching import FloatArray
 
 # Length of the gap in the mesh, in gaps; beyond half of it the flow has no trace of the edge.
 GAP_LENGTH = 4.0
+# Size of the cells at the edge, in gaps, and how it grows away from it.
+SMALLEST_CELL_SIZE, CELL_GROWTH = 1 / 24, 1.4
 # Rows of the table: Re, slip lengths over the gap, and distances at which the pressure is ambient.
 REYNOLDS_NUMBERS, SLIP_LENGTHS = (0.1, 0.5, 2.0, 5.0, 10.0), (0.0, 0.02, 0.1)
 OPEN_RADII = (30.0, 100.0, 1000.0)
@@ -69,22 +71,15 @@ def edge_flow(options: argparse.Namespace) -> None:
 
 
 def edge_impedance(
-    reynolds: float,
-    *,
-    slip_length: float = 0.0,
-    open_radius: float = 300.0,
-    cells_per_gap: int = 24,
-    growth: float = 1.4,
+    reynolds: float, *, slip_length: float = 0.0, open_radius: float = 300.0
 ) -> complex:
     """Return resistance + i Re inertance of the flow around an edge.
 
     Args:
         slip_length: over the gap.
         open_radius: distance at which the pressure is ambient, over the gap.
-        cells_per_gap: of the size of those at the edge.
-        growth: of the cells' sizes away from it.
     """
-    mesh = _gap_with_open_space(open_radius, 1 / cells_per_gap, growth)
+    mesh = _gap_with_open_space(open_radius)
     velocity = Basis(mesh, ElementVector(ElementQuad2()))
     pressure = velocity.with_element(ElementQuad1())
     inlet = FacetBasis(mesh, velocity.elem, facets=mesh.boundaries["inlet"])
@@ -125,11 +120,11 @@ def _flow_per_slope(reynolds: float, slip_length: float) -> complex:
     return complex((1 - 2 * np.sinh(k / 2) / (k * wall)) / (1j * reynolds))
 
 
-def _gap_with_open_space(radius: float, smallest: float, growth: float) -> MeshQuad:
+def _gap_with_open_space(radius: float) -> MeshQuad:
     """Return a mesh of the gap, x < 0 < y < 1, and of the space beyond its end, of a radius."""
-    outward = _graded_nodes(radius, smallest, growth)
-    half = _graded_nodes(0.5, smallest, growth)
-    x = np.concatenate([-_graded_nodes(GAP_LENGTH, smallest, growth)[:0:-1], outward])
+    outward = _graded_nodes(radius)
+    half = _graded_nodes(0.5)
+    x = np.concatenate([-_graded_nodes(GAP_LENGTH)[:0:-1], outward])
     y = np.concatenate([half, 1 - half[-2::-1], 1 + outward[1:]])
     mesh = MeshQuad.init_tensor(x, y)
     centre = mesh.p[:, mesh.t].mean(axis=1)
@@ -147,8 +142,9 @@ def _gap_with_open_space(radius: float, smallest: float, growth: float) -> MeshQ
     )
 
 
-def _graded_nodes(length: float, smallest: float, growth: float) -> FloatArray:
+def _graded_nodes(length: float) -> FloatArray:
     """Return nodes from 0 to a length, their distances growing from the smallest."""
-    count = int(np.ceil(np.log1p(length / smallest * (growth - 1)) / np.log(growth)))
-    nodes = (growth ** np.arange(count + 1) - 1) / (growth**count - 1)
+    ratio = length / SMALLEST_CELL_SIZE
+    count = int(np.ceil(np.log1p(ratio * (CELL_GROWTH - 1)) / np.log(CELL_GROWTH)))
+    nodes = (CELL_GROWTH ** np.arange(count + 1) - 1) / (CELL_GROWTH**count - 1)
     return np.asarray(length * nodes)

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -37,15 +37,15 @@ QUANTILES = (0.5, 0.9, 0.99, 0.999)
 ESTIMATE_OUTCOMES = ("within", "outside", "no force", "no direct solution")
 RANDOM_FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
 # Guards of the error estimate, and the value with which each changes nothing.
-ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, str, float]] = {
-    "CHANGE_SIZE_FRACTION": (error_estimate, "CHANGE_SIZE_FRACTION", 0.0),
-    "RATIO_SAFETY_FACTOR": (error_estimate, "RATIO_SAFETY_FACTOR", 1.0),
-    "DEFAULT_CONVERGENCE_RATIO": (error_estimate, "DEFAULT_CONVERGENCE_RATIO", 0.0),
-    "THIN_LAYER_CONVERGENCE_RATIO": (resolution, "THIN_LAYER_CONVERGENCE_RATIO", 0.0),
-    "ERRATIC_CONVERGENCE_SIGMA": (resolution, "ERRATIC_CONVERGENCE_SIGMA", float("inf")),
-    "VELOCITY_CHANGE_SIZE_FRACTION": (error_estimate, "VELOCITY_CHANGE_SIZE_FRACTION", 0.0),
-    "RESOLVED_MODES_FRACTION": (error_estimate, "RESOLVED_MODES_FRACTION", 0.0),
-    "UNRESOLVED_CHANGE_FRACTION": (error_estimate, "UNRESOLVED_CHANGE_FRACTION", 0.0),
+ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, float]] = {
+    "CHANGE_SIZE_FRACTION": (error_estimate, 0.0),
+    "RATIO_SAFETY_FACTOR": (error_estimate, 1.0),
+    "DEFAULT_CONVERGENCE_RATIO": (error_estimate, 0.0),
+    "THIN_LAYER_CONVERGENCE_RATIO": (resolution, 0.0),
+    "ERRATIC_CONVERGENCE_SIGMA": (resolution, float("inf")),
+    "VELOCITY_CHANGE_SIZE_FRACTION": (error_estimate, 0.0),
+    "RESOLVED_MODES_FRACTION": (error_estimate, 0.0),
+    "UNRESOLVED_CHANGE_FRACTION": (error_estimate, 0.0),
 }
 
 
@@ -147,12 +147,8 @@ def direct_tolerance(tolerance: float) -> float:
     return float(f"{max(DIRECT_TOLERANCE_RATIO * tolerance, MIN_DIRECT_TOLERANCE):.0e}")
 
 
-def direct_pressures_and_errors(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
-    """Mean gauge pressures over p0 and their errors far within a tolerance, (n, 2)."""
-    return _gauge_pressures_and_errors(scenes, direct_tolerance(tolerance))
-
-
 def _gauge_pressures_and_errors(scenes: Sequence[Scene], tolerance: float) -> np.ndarray:
+    """Mean gauge pressures over p0 and their errors, (n, 2)."""
     solved = solve(scenes, tolerance=tolerance, method="periodic")
     scale_n = np.array([scene.force_scale_n for scene in scenes])
     return np.stack([solved.force_n, solved.force_error_n], axis=-1) / scale_n[:, None]
@@ -209,26 +205,22 @@ def outcome_summary(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for name, part in parts:
         ratios, counts = part["error_over_estimate"], part["outcome"].value_counts()
-        quantiles = {f"{100 * q:g} %": f"{ratios.quantile(q):.2g}" for q in QUANTILES}
-        worst = {"largest error over estimate": f"{ratios.max():.2g}"}
         rows.append(
             {
                 "forces": name,
                 "films": part["film"].nunique(),
                 **{outcome: counts.get(outcome, 0) for outcome in ESTIMATE_OUTCOMES},
-                **quantiles,
-                **worst,
+                **{f"{100 * q:g} %": f"{ratios.quantile(q):.2g}" for q in QUANTILES},
+                "largest error over estimate": f"{ratios.max():.2g}",
             }
         )
     return pd.DataFrame(rows)
 
 
-@contextmanager
-def guard_switched_off(guard: str) -> Iterator[None]:
-    """Switch one of ERROR_ESTIMATE_GUARDS off."""
-    owner, name, off = ERROR_ESTIMATE_GUARDS[guard]
-    with patch.object(owner, name, off):
-        yield
+def guard_switched_off(guard: str) -> AbstractContextManager[Any]:
+    """A context in which one of ERROR_ESTIMATE_GUARDS is switched off."""
+    owner, off = ERROR_ESTIMATE_GUARDS[guard]
+    return patch.object(owner, guard, off)
 
 
 @dataclass(frozen=True)
@@ -352,7 +344,8 @@ def stored_films(options: argparse.Namespace) -> None:
     table = read_stored_films(options.output)
     for index, row in table[table["force"].isna()].iterrows():
         film = film_of_row(row)
-        ((force, error),) = direct_pressures_and_errors([film.scene], tolerance=film.tolerance)
+        tolerance = direct_tolerance(film.tolerance)
+        ((force, error),) = _gauge_pressures_and_errors([film.scene], tolerance)
         table.loc[index, ["force", "force_error"]] = float(f"{force:.9g}"), float(f"{error:.2g}")
         write_with_origin(table, options.output, command=f"stored-films --output {options.output}")
 

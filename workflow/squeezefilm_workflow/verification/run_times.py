@@ -54,9 +54,7 @@ TIMING_ROUNDS = 9
 """Of the processes, one after the other; the first warms up, of the others the median counts."""
 
 
-@command(
-    option("--output", "FOLDER", "for the tables", required=True, type=Path),
-)
+@command(option("--output", "FOLDER", "for the tables", required=True, type=Path))
 def run_times(options: argparse.Namespace) -> None:
     """Measure run times on this machine: six tables.
 

@@ -155,11 +155,11 @@ def _deviations_of_checks(scene: Scene, solution: Solution, *, device: Device) -
     """Return the independent checks of a film's force and state."""
 
     def solve_again(tolerance: float) -> tuple[Solution, float]:
-        (found,) = solve(
+        (repeated,) = solve(
             [scene], tolerance=tolerance, method="periodic", device=device, keep_states=True
         )
-        off = abs(found.force_n / solution.force_n - 1) if found.status == "ok" else math.inf
-        return found, off
+        off = abs(repeated.force_n / solution.force_n - 1) if repeated.status == "ok" else math.inf
+        return repeated, off
 
     checks: dict[str, float] = {}
     periodic, off = solution, 0.0

@@ -84,7 +84,7 @@ def one_row_per_position(
     cells: pd.DataFrame,
     others: Sequence[ScanColumn],
     *,
-    frequency_hz: float | None,
+    frequency_hz: float,
     are_chosen: bool,
 ) -> tuple[pd.DataFrame, list[str]]:
     """The rows of one measurement at each place, and notes on which these are.
@@ -104,17 +104,17 @@ def one_row_per_position(
         if column.quantity == "frequency":
             table, chosen = _rows_at_frequency(table, cells, column, frequency_hz, are_chosen)
             notes += chosen
-    place = _position_keys(table)
-    if not place.duplicated().any():
+    position = _position_keys(table)
+    if not position.duplicated().any():
         return table, notes
     for column in others:
         values = normalise_cells(cells.loc[table.index, column.column_index])
-        differing = values.groupby(place).nunique()[place[place.duplicated()].unique()]
+        differing = values.groupby(position).nunique()[position[position.duplicated()].unique()]
         if differing.median() < 2:
             continue
         recurs = _recurs_at_positions(table, values)
         if column.quantity == "time" and (
-            recurs or len(values) >= MIN_TIME_SERIES_ROWS * place.nunique()
+            recurs or len(values) >= MIN_TIME_SERIES_ROWS * position.nunique()
         ):
             raise InputError(
                 f"column {column.name!r} has several instants at each place: a time series is no "
@@ -135,7 +135,7 @@ def _rows_at_frequency(
     table: pd.DataFrame,
     cells: pd.DataFrame,
     column: ScanColumn,
-    frequency_hz: float | None,
+    frequency_hz: float,
     are_chosen: bool,
 ) -> tuple[pd.DataFrame, list[str]]:
     """The rows of the frequency nearest to the actuator's, and a note on it.
@@ -148,8 +148,6 @@ def _rows_at_frequency(
     recurs = _recurs_at_positions(table, values)
     if not len(lines) or not (column.size or (recurs and not column.unit)):
         return table, []
-    if frequency_hz is None:
-        raise InputError(f"the rows of {column.name!r} need the actuator's frequency")
     if not recurs:
         lines = np.median(lines, keepdims=True)
     sizes = [column.size] if column.size else list(FREQUENCY_UNITS_HZ.values())

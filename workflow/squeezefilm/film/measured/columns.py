@@ -185,7 +185,7 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
     return quantity if quantity in {*AMPLITUDE_UNITS, "level"} else None
 
 
-def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
+def scan_column_of_cell(name: str, column_index: int = 0) -> ScanColumn | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
     if FREQUENCY_NAME_PATTERN.fullmatch(name):
         return None
@@ -198,14 +198,17 @@ def scan_column_of_cell(name: str, place: int = 0) -> ScanColumn | None:
             quantity = "normal"
         if quantity is None:
             continue
-        named = next((at for at, some in enumerate(MOTION_WORDS_BY_KIND) if some & {*words}), None)
+        named = next(
+            (at for at, motion_words in enumerate(MOTION_WORDS_BY_KIND) if motion_words & {*words}),
+            None,
+        )
         size = UNITS_OF_QUANTITY[quantity].get(unit)
         power = OMEGA_POWER_OF_UNIT.get(unit, 0)
         decibels = False
         if unit.startswith("db") and quantity in ("amplitude", "normal", "level"):
             quantity = "normal" if quantity == "normal" else "amplitude"
             (size, power), decibels = _decibel_reference(unit), True
-        return ScanColumn(quantity, unit, size, place, name, ratio, power, named, decibels)
+        return ScanColumn(quantity, unit, size, column_index, name, ratio, power, named, decibels)
     return None
 
 
@@ -326,23 +329,25 @@ def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> l
     return named + (letters or symbols or means or levels or lines)
 
 
-def _motion_at_frequency(name: str, place: int) -> ScanColumn | None:
+def _motion_at_frequency(name: str, column_index: int) -> ScanColumn | None:
     """The motion or the phase that is called by its frequency: ``29.8 kHz [um]``."""
     match = FREQUENCY_NAME_PATTERN.fullmatch(name)
     if not match:
         return None
-    ways = [scan_column_of_cell(f"{quantity} {match[1]}", place) for quantity in AMPLITUDE_UNITS]
+    ways = [
+        scan_column_of_cell(f"{quantity} {match[1]}", column_index) for quantity in AMPLITUDE_UNITS
+    ]
     known = [column for column in ways if column and (column.size or column is ways[0])]
     return replace(known[-1] if known[-1].quantity == "phase" else known[0], name=name)
 
 
-def _motion_column_of_letter(name: str, place: int) -> ScanColumn | None:
+def _motion_column_of_letter(name: str, column_index: int) -> ScanColumn | None:
     """The motion that a cell names by a letter, and its unit if it has one: ``v [m/s]``."""
     for words, unit in possible_words_and_units(OVER_DRIVE_PATTERN.sub("", name), ALL_UNITS):
         power = OMEGA_POWER_OF_LETTER.get(words[0]) if len(words) == 1 else None
         if power is not None and (not unit or OMEGA_POWER_OF_UNIT.get(unit) == power):
             return ScanColumn(
-                "amplitude", unit, MOTION_UNITS.get(unit), place, name, 1.0, power, power
+                "amplitude", unit, MOTION_UNITS.get(unit), column_index, name, 1.0, power, power
             )
     return None
 
@@ -449,8 +454,6 @@ def _columns_at_frequency(
     """The columns at the actuator's frequency, and all that have none, and a note."""
     lines_hz = np.array([each.frequency_hz for each in named if each.frequency_hz is not None])
     several = len(set(lines_hz)) > 1
-    if frequency_hz is None and several:
-        raise InputError("columns at several frequencies need the actuator's frequency")
     if frequency_hz is None or not len(lines_hz):
         return named, []
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
@@ -492,10 +495,12 @@ def _name_with_unit(name: str, unit: str, cell: str) -> str:
     """
     own = scan_column_of_cell(name) or _motion_column_of_letter(name, 0)
     of_motion = scan_column_of_cell(f"amplitude [{cell}]")
-    told = of_motion.size * of_motion.amplitude_factor if of_motion and of_motion.size else None
-    is_known = told is not None or unit in ALL_UNITS
+    size_of_unit = (
+        of_motion.size * of_motion.amplitude_factor if of_motion and of_motion.size else None
+    )
+    is_known = size_of_unit is not None or unit in ALL_UNITS
     if own and own.size and own.unit:
-        if is_known and unit != own.unit and told != own.size * own.amplitude_factor:
+        if is_known and unit != own.unit and size_of_unit != own.size * own.amplitude_factor:
             raise InputError(
                 f"{name!r} has another unit in the line of units: {cell!r}; leave one of them out"
             )

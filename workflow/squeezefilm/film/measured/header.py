@@ -15,7 +15,6 @@ from squeezefilm.film.measured.columns import (
     ALL_UNITS,
     COORDINATE_UNITS,
     ROW_STATUS_QUANTITIES,
-    ScanColumn,
     header_columns,
     header_with_unit_line,
     scan_column_of_cell,
@@ -64,7 +63,7 @@ def find_header(
     if not plain:
         raise InputError(f"the {what} is empty; it needs {form}")
     comments = [index for index in filled if index < plain[0]]
-    found: dict[tuple[bool, bool, int], tuple[int, list[str], str, int]] = {}
+    candidates: dict[tuple[bool, bool, int], tuple[int, list[str], str, int]] = {}
     for index in (*plain[:MAX_LINES_ABOVE_HEADER], *comments[-MAX_LINES_ABOVE_HEADER:]):
         line = COMMENT_PATTERN.sub("", lines[index], count=1)
         rows = [lines[row] for row in plain if row > index][:MAX_TITLE_LINES]
@@ -98,9 +97,9 @@ def find_header(
             values = parse_numbers(pd.Series([cell for cell in row if cell], dtype=object))
             numbers = len(values) > 1 and not values.isna().any()
             if count >= MIN_HEADER_QUANTITIES - (alike and numbers and index in plain):
-                found.setdefault((numbers, alike, count), (index, cells, between, len(row)))
-    if found:
-        index, cells, between, count = found[max(found)]
+                candidates.setdefault((numbers, alike, count), (index, cells, between, len(row)))
+    if candidates:
+        index, cells, between, count = candidates[max(candidates)]
         if between == BLANK_SEPARATOR and count != len(cells):
             remedy = (
                 "name every column, the first, too, if it has the rows' names"
@@ -198,12 +197,13 @@ def header_with_units(
         for match in LENGTH_UNIT_PATTERN.finditer(line)
     }
     for unit in units & ALL_UNITS:
-        columns = {column.column_index: column for column in header_columns(header)}
+        without_unit = {
+            column.column_index
+            for column in header_columns(header)
+            if column.quantity in ("x", "y", "r") and not column.unit
+        }
         header = [
-            f"{name} [{unit}]"
-            if at in columns and _is_coordinate_without_unit(columns[at])
-            else name
-            for at, name in enumerate(header)
+            f"{name} [{unit}]" if at in without_unit else name for at, name in enumerate(header)
         ]
     return header, index + 1
 
@@ -212,11 +212,6 @@ def _is_column_without_unit(name: str) -> bool:
     """Tell whether a column that a scan may have is without a unit."""
     column = scan_column_of_cell(name)
     return column is not None and not column.unit
-
-
-def _is_coordinate_without_unit(column: ScanColumn) -> bool:
-    """Tell whether a column is a coordinate without a unit."""
-    return column.quantity in ("x", "y", "r") and not column.unit
 
 
 def split_cells(line: str, separator: str) -> list[str]:

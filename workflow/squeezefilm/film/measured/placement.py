@@ -45,7 +45,7 @@ MIN_ORIGIN_OFFSET_FRACTION = 0.005
 
 
 def read_scan_on_surface(
-    path: Path, settings: ScanFile, surface: Surface, *, frequency_hz: float | None = None
+    path: Path, settings: ScanFile, surface: Surface, *, frequency_hz: float
 ) -> Scan:
     """The points of a scan's file, of which the settings may make a profile.
 

@@ -24,7 +24,7 @@ UNIVERSAL_FILE_SUFFIXES = (".uff", ".unv", ".uf", ".bunv")
 def read_scan(
     path: Path | str,
     *,
-    frequency_hz: float | None = None,
+    frequency_hz: float,
     rows: str = "",
     origin_m: tuple[float, float] = (0.0, 0.0),
     remedies: PointRemedies = NO_REMEDIES,
@@ -33,7 +33,7 @@ def read_scan(
 
     Args:
         path: a table of text or of named arrays, or a universal file by its ending.
-        frequency_hz: of the vibration, for velocities and spectra; without it they are invalid.
+        frequency_hz: of the vibration, for velocities and spectra.
         rows: ``COLUMN = VALUE`` of the rows that are taken from a table with several measurements,
             with semicolons between several conditions; ``mode = NUMBER`` of a universal file.
         origin_m: where the surface's centre is in the file's coordinates.

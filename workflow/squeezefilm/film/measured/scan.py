@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-
-from squeezefilm.errors import InputError
 
 # In metres or radians. Writers of universal files, pyuff too, put 1.8e308 for infinity.
 MAX_FINITE_VALUE = 1e9
@@ -22,7 +19,6 @@ MAX_OFFSET_IN_LINE_SPACINGS, MAX_FREQUENCY_OFFSET_FRACTION = 0.6, 0.01
 MAX_MODE_DISTANCE_FRACTION = 0.1
 # More points are not fitted: enough for all modes to be known to a hundredth of the noise.
 MAX_FITTED_POINTS, THINNING_SEED = 20_000, 1
-FREQUENCY_NEEDED_MESSAGE = "velocities and spectra need the actuator's frequency"
 
 
 @dataclass(frozen=True)
@@ -105,24 +101,18 @@ class PointRemedies:
 NO_REMEDIES = PointRemedies()
 
 
-def list_text(places: Sequence[object]) -> str:
+def list_text(values: Sequence[object]) -> str:
     """Places in a file, or values, the first of many."""
-    return ", ".join(map(str, places[:MAX_LISTED_ITEMS])) + ", …" * (len(places) > MAX_LISTED_ITEMS)
+    return ", ".join(map(str, values[:MAX_LISTED_ITEMS])) + ", …" * (len(values) > MAX_LISTED_ITEMS)
 
 
-def missing_points_note(places: Sequence[int], *, what: str) -> list[str]:
+def missing_points_note(numbers: Sequence[int], *, what: str) -> list[str]:
     """A note that names the points without an amplitude, if there are any."""
-    many = "s" * (len(places) > 1)
+    many = "s" * (len(numbers) > 1)
     return [
-        f"{len(places)} point{many} without an amplitude, excluded from profile and noise "
-        f"({what}{many} {list_text(places)})"
-    ] * bool(len(places))
-
-
-def angular_frequency(frequency_hz: float | None) -> float:
-    if frequency_hz is None:
-        raise InputError(FREQUENCY_NEEDED_MESSAGE)
-    return 2 * math.pi * frequency_hz
+        f"{len(numbers)} point{many} without an amplitude, excluded from profile and noise "
+        f"({what}{many} {list_text(numbers)})"
+    ] * bool(len(numbers))
 
 
 def nearest_spectral_line(lines_hz: np.ndarray, frequency_hz: float) -> tuple[float, str]:

@@ -27,12 +27,7 @@ import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors, raise_first_problem
 from squeezefilm.film.measured.mode_fit import MAX_MODE_DEGREE, ModeFit, ScanPoints, best_mode_fit
-from squeezefilm.film.measured.placement import (
-    check_points,
-    edge_note,
-    origin_note,
-    read_scan_on_surface,
-)
+from squeezefilm.film.measured.placement import edge_note, origin_note, read_scan_on_surface
 from squeezefilm.film.measured.scan import (
     Scan,
     average_repeated_points,
@@ -171,7 +166,7 @@ class SmoothedScan:
 
 
 def smoothed_scan_of_file(
-    path: Path, settings: ScanFile, surface: Surface, *, frequency_hz: float | None = None
+    path: Path, settings: ScanFile, surface: Surface, *, frequency_hz: float
 ) -> SmoothedScan:
     """The smooth profile of a scan's file, as ``smooth_scan`` makes it.
 
@@ -186,7 +181,6 @@ def smooth_scan(scan: Scan, settings: ScanFile, surface: Surface) -> SmoothedSca
 
     Raises InputError naming the file, and what its points do not determine.
     """
-    check_points(scan, settings, surface)
     notes = (*edge_note(scan, surface), *origin_note(scan, surface))
     scan = replace(scan, notes=(*scan.notes, *notes))
     scan = limit_point_count(average_repeated_points(scan))

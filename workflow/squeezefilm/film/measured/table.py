@@ -22,6 +22,7 @@ are excluded from profile and noise, and notes name their lines.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
@@ -60,11 +61,9 @@ from squeezefilm.film.measured.header import (
 )
 from squeezefilm.film.measured.phases import reject_unclear_phases
 from squeezefilm.film.measured.scan import (
-    FREQUENCY_NEEDED_MESSAGE,
     NO_REMEDIES,
     PointRemedies,
     Scan,
-    angular_frequency,
     list_text,
     missing_points_note,
 )
@@ -96,7 +95,7 @@ def read_point_table(
     form: str,
     complete: Callable[[Collection[str]], dict[str, bool]],
     frequency_hz: float | None = None,
-    rows: str | None = None,
+    rows: str = "",
     remedies: PointRemedies = NO_REMEDIES,
 ) -> tuple[pd.DataFrame, list[int], list[str]]:
     """Points of a table of text, by their lines in the file.
@@ -105,9 +104,8 @@ def read_point_table(
         wanted: quantities.
         what, form: what the table is and what it needs, for messages.
         complete: the problems of a table with some quantities, and whether it has them.
-        frequency_hz: by which velocities become displacements.
-        rows: of which measurement, as in ``read_scan``; None where a place may stand repeatedly.
-        remedies: as in ``read_scan``.
+        frequency_hz, rows, remedies: of a scan, as in ``read_scan``; without a frequency it is
+            none, and a place may stand repeatedly.
 
     Returns: the quantities, in SI units and radians; the lines of points that lack an amplitude,
     which are excluded; and notes on how the file was read.
@@ -138,7 +136,7 @@ def read_point_table(
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         elsewhere, second = (
             _columns_of_second_table(lines, first, separator, columns)
-            if problems and rows is not None
+            if problems and frequency_hz is not None
             else ({}, "")
         )
         if second:
@@ -153,8 +151,6 @@ def read_point_table(
         ]
         unplaced = {"r", "phi"} if {"x", "y"} <= {*columns} else set[str]()
         problems += unit_problems([columns[name] for name in columns if name not in unplaced])
-        if any(column.power for column in motion) and frequency_hz is None:
-            problems.append(FREQUENCY_NEEDED_MESSAGE)
         if problems and path.suffix.lower() in ARRAY_SUFFIXES:
             problems[-1] += ". Units in names of variables follow an underscore: x_mm, vz_m_s"
         if problems:
@@ -173,7 +169,7 @@ def read_point_table(
         first_row=first,
         frequency_hz=None if in_columns else frequency_hz,
         position_of_row=None
-        if rows is None
+        if frequency_hz is None
         else partial(_position_cells, separator=separator, columns=columns),
     )
     notes += joined
@@ -188,8 +184,8 @@ def read_point_table(
         for at, name in enumerate(header)
         if at not in taken
     ]
-    cells, settings = rows_of_requested_measurement(cells, settings, rows or "")
-    if rows is not None:
+    cells, settings = rows_of_requested_measurement(cells, settings, rows)
+    if frequency_hz is not None:
         reject_points_off_surface(cells, settings, columns)
     cells, states, invalid = valid_rows(cells, settings)
     others = [repr(each.name) for each in settings if each not in states]
@@ -202,16 +198,17 @@ def read_point_table(
     table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
     if _has_component_sign(columns, table):
         table["sign"] = 1.0
-    if rows is not None:
-        table, chosen = one_row_per_position(
-            table, cells, settings, frequency_hz=frequency_hz, are_chosen=bool(rows)
-        )
-        notes += chosen
+    if frequency_hz is None:
+        return table, lacking.tolist(), notes
+    table, chosen = one_row_per_position(
+        table, cells, settings, frequency_hz=frequency_hz, are_chosen=bool(rows)
+    )
+    notes += chosen
     with prefix_errors(f"line {index + 1}"):
         reject_unclear_phases(table, columns, cells.loc[table.index], settings)
     for column in motion:
         if column.power:
-            table[column.quantity] /= angular_frequency(frequency_hz) ** column.power
+            table[column.quantity] /= (2 * math.pi * frequency_hz) ** column.power
             twice = " squared" * (column.power == 2)
             notes.append(f"{column.name!r} divided by the angular frequency{twice}")
         if column.amplitude_factor != 1:
@@ -233,11 +230,15 @@ def _columns_of_second_table(
         return {}, ""
     for number, (line, below) in enumerate(pairwise(lines[first:]), first + 1):
         header, row = split_cells(line, separator), split_cells(below, separator)
-        found = {each.quantity: each for each in header_columns(header)}
-        places = [each.column_index for name, each in found.items() if name in lacking[0]]
+        column_of_quantity = {each.quantity: each for each in header_columns(header)}
+        indices = [
+            each.column_index for name, each in column_of_quantity.items() if name in lacking[0]
+        ]
         numbers = parse_numbers(pd.Series(row, dtype=object))
-        if places and len(row) == len(header) > 1 and numbers.iloc[places].notna().all():
-            known = {name: each for name, each in found.items() if name in USABLE_QUANTITIES}
+        if indices and len(row) == len(header) > 1 and numbers.iloc[indices].notna().all():
+            known = {
+                name: each for name, each in column_of_quantity.items() if name in USABLE_QUANTITIES
+            }
             return known, (
                 f"the positions and the amplitudes are in two tables, the second, "
                 f"{list_text([repr(name) for name in header])}, from line {number} on; write one "
@@ -274,22 +275,22 @@ def _has_component_sign(
 def _position_cells(row: str, *, separator: str, columns: dict[str, ScanColumn]) -> tuple[str, ...]:
     """The cells of a row's position; none where one of them is no number."""
     cells = split_cells(row, separator)
-    places = [columns[name].column_index for name in COORDINATE_UNITS if name in columns]
-    if max(places) >= len(cells):
+    indices = [columns[name].column_index for name in COORDINATE_UNITS if name in columns]
+    if max(indices) >= len(cells):
         return ()
-    position = tuple(cells[place] for place in places)
+    position = tuple(cells[index] for index in indices)
     return position if all(map(PLAIN_NUMBER_PATTERN.match, position)) else ()
 
 
 def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     """Problems of a scan with some quantities: those that it lacks, or has in excess."""
-    place = {*known} & {"x", "y", "r", "phi"}
-    both = place > {"x", "y"}
+    coordinates = {*known} & {"x", "y", "r", "phi"}
+    both = coordinates > {"x", "y"}
     return {
         "r or phi stands beside x and y; leave it out, or call it amplitude_um or phase_deg": both,
         "the place of a point is x and y, or r and phi, or on a line x, y or r, in the same "
         "table as its amplitude": not both
-        and place not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
+        and coordinates not in ({"x", "y"}, {"r", "phi"}, {"r"}, {"x"}, {"y"}),
         f"column 'amplitude_um' is missing; a scan has {SCAN_FORMAT_TEXT}": not {*known}
         & {"amplitude", "real", "imaginary"},
         "real and imaginary part go together": len({*known} & {"real", "imaginary"}) == 1,
@@ -297,7 +298,7 @@ def _incomplete_scan_problems(known: Collection[str]) -> dict[str, bool]:
     }
 
 
-def read_table(path: Path, frequency_hz: float | None, rows: str, remedies: PointRemedies) -> Scan:
+def read_table(path: Path, frequency_hz: float, rows: str, remedies: PointRemedies) -> Scan:
     """The scan in a table of text."""
     table, lacking, notes = read_point_table(
         path,

@@ -21,7 +21,6 @@ from squeezefilm.film.measured.scan import (
     MAX_FINITE_VALUE,
     MAX_MODE_DISTANCE_FRACTION,
     Scan,
-    angular_frequency,
     missing_points_note,
     nearest_spectral_line,
 )
@@ -55,7 +54,7 @@ REFERENCE_PATTERN = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
 MIN_FREQUENCY_OFFSET_RATIO = 3
 
 
-def read_universal_file(path: Path, frequency_hz: float | None, rows: str) -> Scan:
+def read_universal_file(path: Path, frequency_hz: float, rows: str) -> Scan:
     """The scan in a universal file; a point's line is its function's or node's number.
 
     Args:
@@ -64,8 +63,6 @@ def read_universal_file(path: Path, frequency_hz: float | None, rows: str) -> Sc
     """
     with imports_from_extra("scans", what="a universal file (or export the scan as text)"):
         import pyuff
-    if frequency_hz is None:
-        raise InputError("a universal file needs the actuator's frequency")
     try:
         file = pyuff.UFF(str(path))
         kinds_of_sets = [int(kind) for kind in file.get_set_types()]
@@ -85,27 +82,27 @@ def read_universal_file(path: Path, frequency_hz: float | None, rows: str) -> Sc
     length = next(
         (float(each["length"]) for each in sets if each.get("type") == UNITS_DATASET), 1.0
     )
-    places = {
+    position_of_node = {
         int(node): complex(x, y) / length
         for each in sets
         if each.get("type") in NODES_DATASETS
         for node, x, y in zip(each["node_nums"], each["x"], each["y"], strict=True)
     }
-    if not places:
+    if not position_of_node:
         raise InputError("no positions of nodes (data set 15 or 2411) are in it; export them too")
     if shapes:
         modes = [each for each in sets if each.get("type") == MODE_SHAPE_DATASET]
         modes += [
             _results_as_mode_shape(each) for each in sets if each.get("type") == RESULTS_DATASET
         ]
-        return _scan_of_mode_shape(path, modes, places, frequency_hz, rows)
+        return _scan_of_mode_shape(path, modes, position_of_node, frequency_hz, rows)
     if of_mode:
         raise InputError(
             "actuator.profile.rows is of tables, or, of a universal file, 'mode = 2' (data sets 55 "
             "and 2414) or 'reference = 5' (data set 58)"
         )
     wanted = reference[1] if reference else ""
-    return _scan_at_frequency(path, sets, places, frequency_hz, reference=wanted)
+    return _scan_at_frequency(path, sets, position_of_node, frequency_hz, reference=wanted)
 
 
 def _results_as_mode_shape(results: dict[str, Any]) -> dict[str, Any]:
@@ -129,7 +126,7 @@ def _results_as_mode_shape(results: dict[str, Any]) -> dict[str, Any]:
 def _scan_of_mode_shape(
     path: Path,
     modes: Sequence[dict[str, Any]],
-    places: dict[int, complex],
+    position_of_node: dict[int, complex],
     frequency_hz: float,
     rows: str,
 ) -> Scan:
@@ -163,31 +160,33 @@ def _scan_of_mode_shape(
     at = asked[0] if asked else int(nearest)
     mode, power = modes[at], OMEGA_POWER_OF_DATA_TYPE.get(int(modes[at]["spec_data_type"]), 0)
     nodes = np.asarray(mode["node_nums"], dtype=int)
-    known = np.isin(nodes, list(places))
+    known = np.isin(nodes, list(position_of_node))
     amplitude = np.asarray(mode["r3"])[known].astype(complex)
-    amplitude /= angular_frequency(frequency_hz) ** power
-    place = np.array([places[node] for node in nodes[known]])
+    amplitude /= (2 * math.pi * frequency_hz) ** power
+    positions = np.array([position_of_node[node] for node in nodes[known]])
     signed = np.iscomplexobj(mode["r3"]) or bool(np.any(amplitude.real < 0))
     notes = [f"mode shape {numbers[at]} at {lines_hz[at]:.7g} Hz along z"]
     notes += [f"{np.sum(~known)} nodes without a place ignored"] * bool(np.any(~known))
-    return Scan(path, place.real, place.imag, amplitude, nodes[known], 0, signed, tuple(notes))
+    return Scan(
+        path, positions.real, positions.imag, amplitude, nodes[known], 0, signed, tuple(notes)
+    )
 
 
 def _scan_at_frequency(
     path: Path,
     sets: Sequence[dict[str, Any]],
-    places: dict[int, complex],
+    position_of_node: dict[int, complex],
     frequency_hz: float,
     *,
     reference: str,
 ) -> Scan:
     """The shape that functions have at the actuator's frequency, of one reference."""
-    omega = angular_frequency(frequency_hz)
+    omega = 2 * math.pi * frequency_hz
     every = [each for each in sets if each.get("type") == FUNCTION_DATASET]
     functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL_DIRECTION] or every
     beside = [f"{len(every) - len(functions)} functions along x or y ignored"]
     beside *= len(functions) < len(every)
-    functions, aside = _motion_functions(functions, places)
+    functions, aside = _motion_functions(functions, position_of_node)
     functions = _functions_of_reference(functions, reference)
     nodes = [int(each["rsp_node"]) for each in functions]
     kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
@@ -209,9 +208,9 @@ def _scan_at_frequency(
     amplitude = measured[seen].astype(complex) / omega ** OMEGA_POWER_OF_DATA_TYPE[min(kinds)]
     if kinds == {ACCELERATION_DATA_TYPE}:
         amplitude = -amplitude
-    place = np.array([places[node] for node in nodes])[seen]
+    positions = np.array([position_of_node[node] for node in nodes])[seen]
     signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
-    missing, bare = int(np.sum(~seen)), len(places) - len(nodes)
+    missing, bare = int(np.sum(~seen)), len(position_of_node) - len(nodes)
     notes = (
         *beside,
         *aside,
@@ -219,11 +218,13 @@ def _scan_at_frequency(
         *[f"{bare} nodes without a function ignored"] * bool(bare),
         *missing_points_note(numbers[~seen].tolist(), what="function"),
     )
-    return Scan(path, place.real, place.imag, amplitude, numbers[seen], missing, signed, notes)
+    return Scan(
+        path, positions.real, positions.imag, amplitude, numbers[seen], missing, signed, notes
+    )
 
 
 def _motion_functions(
-    functions: Sequence[dict[str, Any]], places: Collection[int]
+    functions: Sequence[dict[str, Any]], known_nodes: Collection[int]
 ) -> tuple[list[dict[str, Any]], list[str]]:
     """The functions that may be a shape, and a note for each kind of the others."""
     kept, aside = [], dict.fromkeys(("coherences", "power spectra", "functions without a place"), 0)
@@ -231,9 +232,9 @@ def _motion_functions(
         kind = int(function.get("func_type", 0))
         if kind in COHERENCE_FUNCTION_TYPES:
             aside["coherences"] += 1
-        elif kind in POWER_SPECTRUM_FUNCTION_TYPES and len(functions) > len(places):
+        elif kind in POWER_SPECTRUM_FUNCTION_TYPES and len(functions) > len(known_nodes):
             aside["power spectra"] += 1
-        elif int(function["rsp_node"]) not in places:
+        elif int(function["rsp_node"]) not in known_nodes:
             aside["functions without a place"] += 1
         else:
             kept.append(function)

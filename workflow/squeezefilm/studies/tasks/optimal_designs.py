@@ -162,10 +162,7 @@ def efficiency_table(
     best[0] = max(best[0], *log_determinant(own, local.weights))
     reference = np.concatenate([candidates[0], own])
     rows = []
-    plans = {
-        **designs,
-        **{name: _equal_weight_design(points) for name, points in others.items()},
-    }
+    plans = {**designs, **{name: _equal_weight_design(points) for name, points in others.items()}}
     for name, design in plans.items():
         points, weights = design.points, design.weights
         derivatives = fitted.derivatives(points, every=True)

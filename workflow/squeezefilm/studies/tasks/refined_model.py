@@ -16,7 +16,6 @@ from squeezefilm.models.fit_file import fit_from_values
 from squeezefilm.models.fitting import Fit
 from squeezefilm.models.force_model import ExpressionModel, check_columns_known
 from squeezefilm.models.prediction_interval import error_by_region_text
-from squeezefilm.reynolds import solve
 from squeezefilm.studies.solver_settings import solver_settings
 from squeezefilm.studies.space import points_of_table, space_of_study, table_of_points
 from squeezefilm.studies.study import scenes_of_table
@@ -64,8 +63,7 @@ class PlanSimulator:
     def simulate(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and their errors; raises RunError for a scene that has no force."""
         settings = solver_settings(self.config, outputs=())
-        scenes = settings.with_auto_terms_decided(self.scenes[points])
-        forces = solve(scenes, **settings.solve_arguments).to_frame(pd.Index(points))
+        forces = settings.solve(self.scenes[points]).to_frame(pd.Index(points))
         for point, status in forces["status"][forces["status"] != "ok"].items():
             (factors,) = self.point_rows(self.table, [point], FACTOR_COLUMNS).to_dict("records")
             raise RunError(f"no force at {factors}: {status}")

@@ -98,27 +98,27 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
     Positions that share no coordinate are dots without lines. Returns what the markers mean.
     """
     on_disc = "phi_deg" in rows
-    place, other = ("phi_r_mm", "phi_deg") if on_disc else ("x_mm", "y_mm")
-    rows = rows.drop_duplicates([place, other]).sort_values(place)
-    off = rows[rows[place] != 0]
-    least, farthest = min(0.0, float(rows[place].min())), float(rows[place].max())
+    coordinate, other = ("phi_r_mm", "phi_deg") if on_disc else ("x_mm", "y_mm")
+    rows = rows.drop_duplicates([coordinate, other]).sort_values(coordinate)
+    off = rows[rows[coordinate] != 0]
+    least, farthest = min(0.0, float(rows[coordinate].min())), float(rows[coordinate].max())
     ends: list[tuple[float, str, str]] = []
     hollow: dict[str, Any] = {"marker": "o", "mfc": "white", "ms": 6}
     full: dict[str, Any] = {"marker": "s", "ms": 3}
     ends_of_other = off[other].min(), off[other].max()
     scattered = off[other].value_counts()[[*ends_of_other]].max() < 2
-    centre = rows[place] == 0 if on_disc else False
+    centre = rows[coordinate] == 0 if on_disc else False
     lines = [(hollow, centre | (rows[other] == ends_of_other[0]))] if not scattered else []
     lines += [(full, (rows[other] == ends_of_other[1]) | centre | scattered)]
     full |= {"linestyle": "none"} if scattered else {}
     for look, chosen in lines:
-        along = rows[chosen].drop_duplicates(place)
+        along = rows[chosen].drop_duplicates(coordinate)
         for name, colour in COLOUR_OF_EFFECT.items():
             values = along[f"{name}_percent"]
-            axes.plot(along[place], values, color=colour, **look)
+            axes.plot(along[coordinate], values, color=colour, **look)
             if name == "total" and not scattered:
                 ends_of_total = along[MODELLING_ERROR_COLUMNS].to_numpy().T
-                axes.fill_between(along[place], *ends_of_total, color=colour, alpha=0.15, lw=0)
+                axes.fill_between(along[coordinate], *ends_of_total, color=colour, alpha=0.15, lw=0)
             if look is full and np.isfinite(values.iloc[-1]):
                 ends.append((float(values.iloc[-1]), column_label(name), colour))
     # From the lowest up and none over another.

@@ -40,30 +40,7 @@ _NOTE_LINE_IN = NOTE_SIZE_PT * 1.3 / 72
 _MARGIN_IN = 0.03
 _NOTE_INDENT_IN = 0.05
 
-# DejaVu comes with matplotlib, so figures are the same on every machine; a viewer of the SVG that
-# lacks it falls back to narrower fonts, which still fit.
-_MATPLOTLIB_SETTINGS: dict[str, Any] = {
-    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "Helvetica"],
-    "font.size": 8,
-    "axes.labelsize": 8,
-    "axes.titlesize": 8,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "axes.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "grid.linewidth": 0.4,
-    "grid.color": "0.85",
-    "lines.linewidth": 1.0,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "squeezefilm",
-}
-
+_STYLE_FILE = Path(__file__).with_name("squeezefilm.mplstyle")
 
 # Dates and versions would make equal drawings differ.
 _NO_METADATA: dict[str, dict[str, None]] = {
@@ -100,7 +77,7 @@ def figure_style(*, notes: bool = True, file: Path | None = None) -> Iterator[No
     Args:
         file: a style file of matplotlib, whose settings are used beside those here.
     """
-    chosen: dict[Any, Any] = dict(mpl.rcParamsDefault) | _MATPLOTLIB_SETTINGS
+    chosen: dict[Any, Any] = dict(mpl.rcParamsDefault) | read_style(_STYLE_FILE)
     chosen |= (read_style(file) if file else {}) | {"backend": "agg"}
     token = _notes_enabled.set(notes)
     with mpl.rc_context(chosen):
