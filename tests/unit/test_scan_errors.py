@@ -196,6 +196,8 @@ def test_strays_are_not_fitted(scene):
         smooth(scan_of(shape, noise=0.01, seed=5, strays=strays)) for strays in (3, 0)
     )
     assert with_strays.outlier_mask.sum() == 3
+    assert "note: 3 outliers excluded (lines " in with_strays.warnings[-1]
+    assert without.warnings == ()
     assert np.abs(with_strays.residual_m[with_strays.outlier_mask]) == pytest.approx(3e-6, rel=0.05)
     forces = [
         s.force_n

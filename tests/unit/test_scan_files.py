@@ -120,6 +120,7 @@ CELLS = {
     "angle": np.degrees(np.arctan2(Y, X)),
     "number": np.arange(len(X)),
     "zero": 0 * X,
+    "drive": 0 * X + FREQUENCY_HZ / 1e3,
     "signed": U,
     "size": abs(U),
     "sign": np.where(U < 0, -1.0, 1.0),
@@ -205,6 +206,33 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
             for at, (x, y, u) in enumerate(zip(X, Y, U, strict=True))
         )
     ).encode("latin-1"),
+    "Markdown": "\n".join(
+        [
+            "# Scan 3",
+            "",
+            "| x / mm | y / mm | amplitude / µm | phase / ° |",
+            "| --: | :-: | -- | --- |",
+        ]
+        + [
+            f"| {x:.9g} | {y:.9g} | {abs(u):.9g} | {180 * (u < 0)} |"
+            for x, y, u in zip(X, Y, U, strict=True)
+        ]
+    ).encode(),
+    "R": "\n".join(
+        ['"x_mm" "y_mm" "amplitude_um" "phase_deg"']
+        + [
+            f'"P{at}" {x:.9g} {y:.9g} {abs(u):.9g} {180 * (u < 0)}'
+            for at, (x, y, u) in enumerate(zip(X, Y, U, strict=True))
+        ]
+    ).encode(),
+    "typed by hand": "\n".join(
+        ["Disc 3, 43.27 kHz (MH)", "moved by hand", "", "x / mm   y / mm   A / µm   sign"]
+        + [
+            f"{x:.9g}  {y:.9g}  {abs(u):.9g} ± 0.1  {1 - 2 * (u < 0)}"
+            for x, y, u in zip(X, Y, U, strict=True)
+        ]
+        + ["", "(the edge is hard to measure)"]
+    ).encode(),
     "units behind numbers": "\n".join(
         ["x,y,amp,phase"]
         + [
@@ -271,7 +299,32 @@ WRONG = {
     ),
     "names between blanks": (
         with_header("X Mess Wert Y Mess Wert Amplitude Phase").replace(",", " "),
-        "the header has 8 names between blanks, and the rows below have not so many cells; put",
+        "the header has 8 names between blanks, and the rows below 4 cells; put two blanks between",
+    ),
+    "more cells than names": (
+        PLAIN.replace("y_mm,", "").replace(",", " "),
+        "the header has 3 names between blanks, and the rows below 4 cells; name every column",
+    ),
+    "rows with other separators than the header": (
+        PLAIN.replace("x_mm,y_mm", "x_mm;y_mm", 1)
+        .replace("_um,", "_um;")
+        .replace("y_mm,", "y_mm;"),
+        "1 cells where the header has 4; separate the rows' cells as the header's",
+    ),
+    "a header of words that are not known": (
+        "Disc 3, by hand\n" + PLAIN.replace("x_mm,y_mm,amplitude_um,phase_deg", "Q;P;W"),
+        "line 2: no header names the columns: 'Q;P;W'",
+    ),
+    "words in place of a number": (
+        PLAIN.replace(",0\n", ",kaputt\n", 1),
+        "phase is 'kaputt', not a finite number; write nan where nothing was measured",
+    ),
+    "a phase of the reference that varies": (
+        text(
+            "x_mm,y_mm,Vib Amplitude [um],Vib Phase [deg],Ref1 Phase [deg]",
+            *(X, Y, abs(U), (PHASE + 7.0 * np.arange(len(X))) % 360, 7.0 * np.arange(len(X))),
+        ),
+        "subtract it from 'Vib Phase [deg]' and leave it out",
     ),
     "a second table": (
         f"first part\n{PLAIN}\nsecond part\n{PLAIN}",
@@ -457,10 +510,79 @@ def test_of_a_frequency_column_the_rows_at_the_actuators_are_read(tmp_path):
     scan = read(tmp_path / "scan.csv", content)
     same(scan)
     assert "rows at 43270 Hz in 'Frequency [kHz]'" in scan.notes
+    bare = content.replace("Frequency [kHz]", "FREQ")
+    assert "rows at 43270 Hz in 'FREQ'" in read(tmp_path / "scan.csv", bare).notes
     for lines in ([30e3], [30e3, 31e3]):
         elsewhere = measured_at("freq_hz", lines, [1] * len(lines))
         with pytest.raises(InputError, match="the actuator vibrates at 43270 Hz"):
             read(tmp_path / "scan.csv", elsewhere)
+
+
+def test_rows_of_a_mode_are_those_near_the_actuators_frequency(tmp_path):
+    """The first mode was proposed, and read without a word on its frequency, 30 % away."""
+    random = np.random.default_rng(1).random(len(X))
+    for name in ("FREQ", "Frequenz", "f (Hz)"):
+        content = measured_at(name, [30e3, 43.2e3], [2, 1])
+        mode = np.repeat([5, 6], len(X)).astype(int)
+        header, *rows = content.splitlines()
+        rows = [f"{number},{row}" for number, row in zip(mode, rows, strict=True)]
+        path = tmp_path / "scan.csv"
+        same(read(path, "\n".join([f"mode,{header}", *rows])))
+        same(read(path, "\n".join([f"mode,{header}", *rows]), rows="mode = 6"))
+        with pytest.raises(InputError, match=r"30000 Hz, and the actuator vibrates at 43270 Hz"):
+            read(path, "\n".join([f"mode,{header}", *rows]), rows="mode = 5")
+    near = text("x_mm,y_mm,FREQ,amplitude_um,phase_deg", X, Y, 0 * X + 42e3, abs(U), PHASE)
+    assert "rows at 42000 Hz in 'FREQ'" in read(path, near).notes
+    drifting = text("x_mm,y_mm,f_hz,amplitude_um,phase_deg", X, Y, 3e4 + random, abs(U), PHASE)
+    with pytest.raises(InputError, match="the actuator vibrates at 43270 Hz"):
+        read(path, drifting)
+    force = text("x_mm,y_mm,F,amplitude_um,phase_deg", X, Y, 0 * X + 3, abs(U), PHASE)
+    with pytest.raises(InputError, match="leave it out if it is no frequency"):
+        read(path, force)
+
+
+def test_cells_that_were_not_measured_are_no_numbers(tmp_path):
+    """``n.m.`` was taken for a number with a decimal point."""
+    lines = text("x_mm;y_mm;uz_um", X, Y, U, comma=True).splitlines()
+    for at, cell in ((3, "n.m."), (9, "n. d."), (20, "o.R.")):
+        lines[at] = ";".join([*lines[at].split(";")[:2], cell])
+    scan = read(tmp_path / "scan.csv", "\n".join(lines))
+    assert (len(scan.x_m), scan.missing_count) == (len(X) - 3, 3)
+
+
+def test_of_row_names_and_places_on_a_line_none_is_guessed(tmp_path):
+    """Places at whole millimetres, and a column without a name: an uncertainty."""
+    r = np.arange(1.0, 12.0)
+    content = text("r_mm,uz_um", r, np.sinc(r / 9), 0 * r + 0.1)
+    with pytest.raises(InputError, match="3 cells where the header has 2"):
+        read(tmp_path / "scan.csv", content)
+    rows = [
+        f"P{at} {x:.9g} {y:.9g} {u:.9g} 0" for at, (x, y, u) in enumerate(zip(X, Y, U, strict=True))
+    ]
+    with pytest.raises(
+        InputError, match="the header has 4 names between blanks, and the rows below 5"
+    ):
+        read(tmp_path / "scan.csv", "\n".join(["name x_mm y_mm uz_um", *rows]))
+
+
+def test_too_few_points_are_named_with_what_else_there_is(tmp_path):
+    content = "Disc 3\n\nr / mm     A / µm\n0   10,4 ± 0,1\n2   10,3 ± 0,1\n4   9,6\n\n(Rand)\n"
+    with pytest.raises(InputError, match=r"3 measured points .*at least 8; .*kind: formula"):
+        read(tmp_path / "scan.csv", content)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("$MeshFormat\n2.2 0 8\n", "x_mm, y_mm, uz_mm"),
+        ("Zygo XYZ Data File - Format 1\n0 0 1.2\n", "as a table: x_mm, y_mm, amplitude_um"),
+        ("    1C\n    1UPGM  CalculiX\n", "x_mm, y_mm, uz_mm"),
+        ("# vtk DataFile Version 3.0\nmode\nASCII\n", r"add units to its header: Points:0 \[m\]"),
+    ],
+)
+def test_files_of_programs_are_named_with_what_to_write(content, message, tmp_path):
+    with pytest.raises(InputError, match=message):
+        read(tmp_path / "scan.csv", content)
 
 
 def test_a_single_frequency_of_columns_is_noted_or_too_far(tmp_path):

@@ -12,16 +12,19 @@ UNIT_OF_NAME = {
     name: unit
     for unit, names in {
         "deg": "degree degrees grad degre degres grados gradi graus graden 度 °",
-        "rad": "radian radians",
+        "rad": "radian radians 弧度",
         "g": "gs",
-        "m": "meter meters metre metres",
-        "mm": "millimeter millimeters millimetre millimetres",
-        "um": "\u03bcm micron microns micrometer micrometers micrometre micrometres",
+        "m": "meter meters metre metres 米",
+        "mm": "millimeter millimeters millimetre millimetres 毫米",
+        "um": "\u03bcm micron microns micrometer micrometers micrometre micrometres 微米",
+        "nm": "nanometer nanometers nanometre nanometres 纳米",
+        "hz": "赫兹",
+        "khz": "千赫",
     }.items()
     for name in names.split()
 }
 """Other names of units, without accents."""
-PER_SECOND_PATTERN = re.compile(r"[/_]s(?:ec)?\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
+PER_SECOND_PATTERN = re.compile(r"[/_](?:s(?:ec)?|秒)\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
 ORIGIN_MICRO_ESCAPE = r"\g(m)"
 UNIT_START_PATTERN = re.compile(r"[\s_/,.\[(]+")
@@ -36,10 +39,13 @@ def fold_accents(text: str) -> str:
 
 def normalised_unit(text: str) -> str:
     """A unit with its brackets taken off, in one spelling: ``(Degrees)`` is ``deg``."""
-    unit = fold_accents(text).replace(ORIGIN_MICRO_ESCAPE, "u").strip(" []()")
+    unit = fold_accents(text).replace(ORIGIN_MICRO_ESCAPE, "u").strip(" []")
+    if not re.match(r"\([^()]*\)\S", unit):
+        unit = unit.strip(" []()")
     unit = re.sub("[_ ](?:per|pro|par|por)[_ ]", "/", unit)
     unit = PER_SECOND_PATTERN.sub(lambda end: "/s²" if "2" in end.groups() else "/s", unit)
-    return UNIT_OF_NAME.get(unit, unit)
+    length, per, time = unit.partition("/")
+    return UNIT_OF_NAME.get(unit, UNIT_OF_NAME.get(length, length) + per + time)
 
 
 def possible_words_and_units(cell: str, units: Collection[str]) -> Iterator[tuple[list[str], str]]:
@@ -57,7 +63,7 @@ def possible_words_and_units(cell: str, units: Collection[str]) -> Iterator[tupl
     known = [end for end in ends if end[1] in units or end[1].startswith("db")]
     bracket = [
         (name[: at.start()], normalised_unit(name[at.end() :]))
-        for at in re.finditer(r"\s*[\[(](?=[^\[(]*[\])]$)", name)
+        for at in re.finditer(r"\s*(?:\[(?=[^\[\]]*\]$)|[\[(](?=[^\[(]*[\])]$))", name)
     ]
     for words, unit in (*known, (name, ""), *bracket, *ends[-1:]):
         yield [word for word in WORD_SEPARATOR_PATTERN.split(words) if word], unit

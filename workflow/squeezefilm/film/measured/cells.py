@@ -19,7 +19,7 @@ PAIR_PATTERN = re.compile(r"\(\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*\)")
 """A complex number as C++, Fortran and Octave write it: ``(1.2,-0.3)``."""
 IMAGINARY_UNIT_PATTERN = re.compile(r"\*?(?:[ijI]|im)$")
 MISSING_PATTERN = re.compile(
-    r"|-|--|na|n\.?/?a\.?|k\.a\.|null|none|not available"
+    r"|-|--|na|n\.?/?a\.?|k\.a\.|n\.\s?[bdemv]\.?|o\.r\.|null|none|not available"
     r"|#(?:n/a|nv|n/d|div/0!|value!|wert!|valeur!)"
     r"|(?:.*[-+( ])?nan(?:\(\w*\))?(?:\s*[-+].*|\*?[ij])?\)?|-?1\.#\w+",
     re.IGNORECASE,
@@ -79,7 +79,8 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         cells = cells.str.replace(PAIR_PATTERN, r"\1+\2i", regex=True)
         cells = cells.str.replace(r"\+(?=[-+])", "", regex=True)
     cells = _without_thousands_separators(cells)
-    comma, point = (cells.str.contains(sign, regex=False) for sign in ",.")
+    digits = cells.str.contains(r"\d")
+    comma, point = (cells.str.contains(sign, regex=False) & digits for sign in ",.")
     if comma.any() and point.any():
         line, cell = next(cells[point].items())
         raise InputError(
@@ -97,7 +98,8 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         values = 10 ** (values / 20)
     finite = values.abs() * (column.size or 1.0) <= MAX_FINITE_VALUE
     for line, cell in cells[~finite][:1].items():
-        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number")
+        remedy = "" if re.search(r"\d|inf", cell) else "; write nan where nothing was measured"
+        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number{remedy}")
     return values * (column.size or 1.0)
 
 

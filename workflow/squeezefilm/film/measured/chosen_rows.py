@@ -8,8 +8,9 @@ import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.film.measured.cells import distinct_values_text, normalise_cells, parse_numbers
-from squeezefilm.film.measured.columns import ScanColumn
+from squeezefilm.film.measured.columns import FREQUENCY_UNITS_HZ, ScanColumn
 from squeezefilm.film.measured.scan import (
+    MAX_MODE_DISTANCE_FRACTION,
     MIN_SCAN_POINTS,
     SAME_POSITION_DISTANCE_M,
     nearest_spectral_line,
@@ -79,7 +80,12 @@ def reject_points_off_surface(
 
 
 def one_row_per_position(
-    table: pd.DataFrame, cells: pd.DataFrame, others: Sequence[ScanColumn], *, frequency_hz: float
+    table: pd.DataFrame,
+    cells: pd.DataFrame,
+    others: Sequence[ScanColumn],
+    *,
+    frequency_hz: float,
+    are_chosen: bool,
 ) -> tuple[pd.DataFrame, list[str]]:
     """The rows of one measurement at each place, and notes on which these are.
 
@@ -87,22 +93,17 @@ def one_row_per_position(
         table: quantities, whose places may stand repeatedly.
         cells, others: all cells of the same rows, and the columns that are no such quantities.
         frequency_hz: as in ``read_scan``.
+        are_chosen: whether the study says which rows these are.
 
     Raises:
-        InputError: for a time series, and for several measurements at a place, with the column that
-            tells them apart.
+        InputError: for a time series, for rows at another frequency, and for several measurements
+            at a place, with the column that tells them apart.
     """
     notes = []
     for column in others:
-        if column.quantity == "frequency" and column.size:
-            values_hz = parse_numbers(cells.loc[table.index, column.column_index]) * column.size
-            if not _recurs_at_positions(table, values_hz):
-                continue
-            line_hz, far = nearest_spectral_line(values_hz.unique(), frequency_hz)
-            if far:
-                raise InputError(f"column {column.name!r}: {far}")
-            table = table[values_hz == line_hz]
-            notes.append(f"rows at {line_hz:.7g} Hz in {column.name!r}")
+        if column.quantity == "frequency":
+            table, chosen = _rows_at_frequency(table, cells, column, frequency_hz, are_chosen)
+            notes += chosen
     position = _position_keys(table)
     if not position.duplicated().any():
         return table, notes
@@ -128,6 +129,38 @@ def one_row_per_position(
                 f"= {values.iloc[0]}{axis}"
             )
     return table, notes
+
+
+def _rows_at_frequency(
+    table: pd.DataFrame,
+    cells: pd.DataFrame,
+    column: ScanColumn,
+    frequency_hz: float,
+    are_chosen: bool,
+) -> tuple[pd.DataFrame, list[str]]:
+    """The rows of the frequency nearest to the actuator's, and a note on it.
+
+    A column without a unit is in that one in which a frequency is near. A single frequency, or that
+    of chosen rows, may be of a model's mode, which need not be where the actuator's is.
+    """
+    values = parse_numbers(cells.loc[table.index, column.column_index])
+    lines = values.dropna().unique()
+    recurs = _recurs_at_positions(table, values)
+    if not len(lines) or not (column.size or (recurs and not column.unit)):
+        return table, []
+    if not recurs:
+        lines = np.median(lines, keepdims=True)
+    sizes = [column.size] if column.size else list(FREQUENCY_UNITS_HZ.values())
+    nearest = [nearest_spectral_line(size * lines, frequency_hz) for size in sizes]
+    line_hz, far = next((line for line in nearest if not line[1]), nearest[0])
+    is_near_mode = abs(line_hz / frequency_hz - 1) < MAX_MODE_DISTANCE_FRACTION
+    if far and not (is_near_mode and (are_chosen or len(lines) == 1)):
+        unit = "" if column.size else "; write its unit, or leave it out if it is no frequency"
+        raise InputError(f"column {column.name!r}: {far}{unit}")
+    if not recurs:
+        return table, []
+    size = sizes[nearest.index((line_hz, far))]
+    return table[size * values == line_hz], [f"rows at {line_hz:.7g} Hz in {column.name!r}"]
 
 
 def _position_keys(table: pd.DataFrame) -> pd.Series:

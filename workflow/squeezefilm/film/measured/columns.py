@@ -23,6 +23,7 @@ from squeezefilm.files import read_text
 from squeezefilm.film.measured.scan import (
     MAX_FREQUENCY_OFFSET_FRACTION,
     MAX_MODE_DISTANCE_FRACTION,
+    list_text,
     nearest_spectral_line,
 )
 from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
@@ -88,8 +89,12 @@ DECIBELS_PATTERN = re.compile(
     r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*(?: \S+)?)"
 )
 """Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``, ``dB/1.00n m/s``."""
+AMPLITUDE_SYMBOL_PATTERN = re.compile(r"\A\s*[Aa](?=[\s_/\[(])")
+"""An amplitude's symbol before its unit: ``A / µm``."""
+VOLTS_PATTERN = re.compile(r"[\s_/\[(][mµ\u03bcun]?V(?: ?rms)?[\])]?\s*$", re.IGNORECASE)
 RMS_OR_PEAK_UNIT_PATTERN = re.compile(
-    r"\s*([\[(][^\[\]()]+?)[\s_(]+(rms|eff|pk-?pk|p-?p|0-?pk?|peak|pk)\)?([\])])$", re.IGNORECASE
+    r"\s*([\[(][^\[\]()]+?)[\s_(]+(rms|eff|pk-?pk|p-?p|s-?s|0-?pk?|peak|pk)\)?([\])])$",
+    re.IGNORECASE,
 )
 """An effective value or an extent that stands behind the unit: ``[mm/s RMS]``, ``(um p-p)``."""
 
@@ -166,6 +171,9 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
         return quantity
     if quantity := QUANTITY_OF_WORDS.get(frozenset(core - COMPONENT_WORDS)):
         return quantity
+    means = {*WORDS_OF_MEANING["mean"]}
+    if core & means and QUANTITY_OF_WORDS.get(frozenset(core - means)) == "amplitude":
+        return "mean"
     rest = frozenset(core - MOTION_WORDS - COMPONENT_WORDS)
     if "z" in core and (part := QUANTITY_OF_WORDS.get(frozenset(core - {"z"}))) in AMPLITUDE_UNITS:
         return "normal" if part == "amplitude" else part
@@ -261,13 +269,15 @@ def select_columns(
     columns: dict[str, ScanColumn] = {}
     for column in sorted(named, key=lambda each: (_is_labview_x_value(each), each.size is None)):
         first = columns.setdefault(column.quantity, column)
+        names = {re.sub(r"\d+", "", each.name.lower()) for each in (first, column)}
+        mean = ", or write one column with their mean" * (len(names) == 1)
         alike = _is_labview_x_value(first) == _is_labview_x_value(column) and (
             column.size or not first.size
         )
         if first is not column and alike:
             raise InputError(
                 f"the column {column.quantity!r} stands twice: {first.name!r} and "
-                f"{column.name!r}; leave one of them out"
+                f"{column.name!r}; leave one of them out{mean}"
             )
     return dict(sorted(columns.items(), key=lambda each: each[1].column_index)), notes
 
@@ -292,8 +302,8 @@ def _is_labview_x_value(column: ScanColumn) -> bool:
 def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> list[ScanColumn]:
     """Columns with those whose words tell what they are only where no other column is it.
 
-    These are a position without a direction, and, as the motion, letters without a unit, a mean of
-    several columns and levels.
+    These are a position without a direction, and, as the motion, letters without a unit, A in µm, a
+    mean of several columns and levels.
     """
     known = {column.quantity for column in named}
     if not known & {*COORDINATE_UNITS}:
@@ -309,8 +319,14 @@ def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> l
         if each.quantity == "level"
     ]
     means = [replace(each, quantity="amplitude") for each in named if each.quantity == "mean"]
+    symbols = [
+        replace(each, name=name)
+        for at, name in enumerate(header)
+        if AMPLITUDE_SYMBOL_PATTERN.match(name)
+        and (each := scan_column_of_cell(AMPLITUDE_SYMBOL_PATTERN.sub("amplitude", name), at))
+    ]
     lines = [each for at, name in enumerate(header) if (each := _motion_at_frequency(name, at))]
-    return named + (letters or means or levels or lines)
+    return named + (letters or symbols or means or levels or lines)
 
 
 def _motion_at_frequency(name: str, column_index: int) -> ScanColumn | None:
@@ -334,6 +350,39 @@ def _motion_column_of_letter(name: str, column_index: int) -> ScanColumn | None:
                 "amplitude", unit, MOTION_UNITS.get(unit), column_index, name, 1.0, power, power
             )
     return None
+
+
+def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColumn]) -> list[str]:
+    """Remedies for a missing amplitude, by the columns that are not used and may have it."""
+    places = {each.column_index for each in used}
+    unused = {at: name for at, name in enumerate(header) if at not in places}
+    named = [each for each in header_columns(header) if each.column_index in unused]
+    lock_in = [
+        each.name
+        for each in named
+        if each.quantity in ("x", "y")
+        and (VOLTS_PATTERN.search(each.name) or OMEGA_POWER_OF_UNIT.get(each.unit))
+    ]
+    heights = [each.name for each in named if each.quantity == "height" and each.size]
+    columns_by_stem: dict[str, list[str]] = {}
+    for name in unused.values():
+        stem = re.sub(r"\d+", "", name)
+        told = scan_column_of_cell(f"amplitude{stem[stem.find('[') :]}") if "[" in stem else None
+        if told and told.size and "=" not in stem:
+            columns_by_stem.setdefault(stem, []).append(name)
+    repeated = max(columns_by_stem.values(), key=len, default=[])
+    remedies = [
+        f"call {list_text([*map(repr, lock_in)])} of a lock-in amplifier real_mm/s, imaginary_mm/s "
+        "or the like (only the shape counts)"
+    ] * bool(lock_in)
+    remedies += [f"call {name!r} amplitude_um if the vibration's amplitude" for name in heights]
+    if len(repeated) > 1:
+        unit = repeated[0][repeated[0].index("[") :]
+        remedies.append(
+            f"if {list_text([*map(repr, repeated)])} are repeated measurements, leave one column, "
+            f"or their mean, and call it amplitude {unit}"
+        )
+    return remedies
 
 
 def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
@@ -384,7 +433,12 @@ def _quoted_names(columns: Collection[ScanColumn]) -> str:
 def _suggested_names(columns: Collection[ScanColumn], before: str = "") -> str:
     """Columns as they should be called, with a unit in place of their own."""
     stems = [
-        re.sub(r"\W*\bdb.*|\s*[\[(][^\[(]*[\])]\s*$", "", each.name, flags=re.IGNORECASE)
+        re.sub(
+            r"\W*\bdb.*|\s*(?:\[[^\[\]]*\]|[\[(][^\[(]*[\])])\s*$",
+            "",
+            each.name,
+            flags=re.IGNORECASE,
+        )
         if each.unit
         else re.sub(r"\s*\[[^\[]*\]$", "", each.name)
         for each in columns

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -30,6 +31,10 @@ BLANK_SEPARATOR, WIDE_BLANK_SEPARATOR = " ", "  "
 SEPARATORS = ("\t", ";", ",", WIDE_BLANK_SEPARATOR, BLANK_SEPARATOR)
 BETWEEN_NAMES_PATTERN = re.compile(r"(?<!,)\s+(?![\[(]|(?:ID|Label|Number|Instance|Name|FOOT-)\b)")
 """Blanks between names in a header, none before a unit in brackets or within ``U, U3``."""
+UNCERTAINTY_PATTERN = re.compile(r"(?<=\d)\s*(?:±|\+/-)\s*(?=\d)")
+"""The sign between a number and its uncertainty, which is ignored."""
+ROW_NAMES = "row names"
+"""What the first column is called where it has no name."""
 # Among which the line that names columns is sought, and by how many quantities it is known.
 MAX_LINES_ABOVE_HEADER, MIN_HEADER_QUANTITIES = 100, 2
 LENGTH_UNIT_PATTERN = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
@@ -58,7 +63,7 @@ def find_header(
     if not plain:
         raise InputError(f"the {what} is empty; it needs {form}")
     comments = [index for index in filled if index < plain[0]]
-    candidates: dict[tuple[bool, bool, int], tuple[int, list[str], str]] = {}
+    candidates: dict[tuple[bool, bool, int], tuple[int, list[str], str, int]] = {}
     for index in (*plain[:MAX_LINES_ABOVE_HEADER], *comments[-MAX_LINES_ABOVE_HEADER:]):
         line = COMMENT_PATTERN.sub("", lines[index], count=1)
         rows = [lines[row] for row in plain if row > index][:MAX_TITLE_LINES]
@@ -82,25 +87,62 @@ def find_header(
             if not count:
                 continue
             row = split_cells(below, between)
+            if (
+                len(row) == len(cells) + 1
+                and scan_column_of_cell(cells[0])
+                and _rows_have_names([lines[at] for at in plain if at > index], between, known)
+            ):
+                cells = [ROW_NAMES, *cells]
             alike = len(cells) == len(row)
             values = parse_numbers(pd.Series([cell for cell in row if cell], dtype=object))
             numbers = len(values) > 1 and not values.isna().any()
             if count >= MIN_HEADER_QUANTITIES - (alike and numbers and index in plain):
-                candidates.setdefault((numbers, alike, count), (index, cells, between))
+                candidates.setdefault((numbers, alike, count), (index, cells, between, len(row)))
     if candidates:
-        index, cells, between = candidates[max(candidates)]
-        if between == BLANK_SEPARATOR and not max(candidates)[1]:
+        index, cells, between, count = candidates[max(candidates)]
+        if between == BLANK_SEPARATOR and count != len(cells):
+            remedy = (
+                "name every column, the first, too, if it has the rows' names"
+                if count > len(cells)
+                else "put two blanks between the names, and one within them"
+            )
             raise InputError(
                 f"line {index + 1}: the header has {len(cells)} names between blanks, and the rows "
-                "below have not so many cells; put commas, tabs or two blanks between the names"
+                f"below {count} cells; {remedy}"
             )
         return index, cells, between
-    first = lines[plain[0]].strip()[:60]
-    problem = f"line {plain[0] + 1}: no header names the columns: {first!r}; give {form}"
+    at = _line_above_numbers([lines[row] for row in plain])
+    first = lines[plain[at]].strip()[:60]
+    problem = f"line {plain[at] + 1}: no header names the columns: {first!r}; give {form}"
     if len(re.split(r"[\s;,]+", lines[plain[-1]].strip())) >= MIN_COLUMNS_TAKEN_FOR_MATRIX:
         problem += f"; or, of a matrix of amplitudes, lines above it: {MATRIX_LINES_TEXT}"
     points = _points_of_rows_without_names([lines[row] for row in plain])
     raise InputError("; and ".join([problem, *wants_of_points(points, remedies)]))
+
+
+def _rows_have_names(rows: Sequence[str], separator: str, quantities: Collection[str]) -> bool:
+    """Tell whether rows begin with names that the header does not count, as R and pandas do.
+
+    They are words, quoted, or the numbers of the rows, which no coordinate of a plane is.
+    """
+    cells = [split_cells(row, separator) for row in rows]
+    cells = [each for each in cells if len(each) == len(cells[0])]
+    names = [each[0] for each in cells]
+    are_quoted = all(re.match(r'\s*"[^"]*"[^"\w]*\d', row) for row in rows[: len(cells)])
+    are_words = parse_numbers(pd.Series(names, dtype=object)).isna().all()
+    start = int(names[0]) if names[0] in ("0", "1") else -1
+    are_counted = names == [str(start + at) for at in range(len(names))]
+    in_plane = {"x", "y"} <= {*quantities} or {"r", "phi"} <= {*quantities}
+    return bool(are_quoted or are_words or (are_counted and in_plane))
+
+
+def _line_above_numbers(rows: Sequence[str]) -> int:
+    """The index of the line of words right above the first row of numbers; 0 if there is none."""
+    for index, (above, row) in enumerate(pairwise(rows)):
+        cells = pd.Series(re.split(r"[\s;,|]+", row.strip()), dtype=object)
+        if parse_numbers(cells).notna().sum() > 1:
+            return index if re.match(r"[^\W\d]", above.strip()) else 0
+    return 0
 
 
 def _points_of_rows_without_names(rows: Sequence[str]) -> dict[str, pd.Series]:
@@ -177,11 +219,12 @@ def split_cells(line: str, separator: str) -> list[str]:
     if separator == WIDE_BLANK_SEPARATOR:
         # COMSOL has a single blank behind a long name.
         return re.split(r"\s\s+| (?=\S+ \(\S+\) @)", line.strip())
+    line = UNCERTAINTY_PATTERN.sub("±", line)
     if separator == BLANK_SEPARATOR:
         line = " ".join(line.split())
     try:
         return [
-            cell.strip()
+            re.sub(r"(?<=\d)±[\d.,]+(?:[eE][-+]?\d+)?", "", cell.strip())
             for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))
         ]
     except csv.Error as error:

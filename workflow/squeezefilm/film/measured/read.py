@@ -59,7 +59,8 @@ def read_scan(
         path,
         {
             f"{points} measured points ({scan.missing_count} missing); a profile needs at least "
-            f"{MIN_SCAN_POINTS}": points < MIN_SCAN_POINTS,
+            f"{MIN_SCAN_POINTS}; of fewer, fit a curve and say actuator.profile: {{kind: formula, "
+            "expression: …}": points < MIN_SCAN_POINTS,
             "every amplitude is zero: there is no profile": not np.any(scan.amplitude_m),
         },
     )

@@ -32,6 +32,7 @@ from squeezefilm.film.measured.scan import (
     Scan,
     average_repeated_points,
     limit_point_count,
+    list_text,
     turned_to_main_phase,
 )
 from squeezefilm.film.profiles import ModeSum, ScanFile, largest_magnitude
@@ -139,7 +140,11 @@ class SmoothedScan:
     def warnings(self) -> tuple[str, ...]:
         """Return the warnings and notes on the scan, a line each."""
         unsigned = [f"warning: {UNSIGNED_WARNING}"] * (not self.scan.has_phase_or_sign)
-        return (*unsigned, *(f"note: {note}" for note in self.scan.notes))
+        outliers = self.scan.lines[self.outlier_mask].tolist()
+        many = "s" * (len(outliers) > 1)
+        excluded = f"{len(outliers)} outlier{many} excluded (line{many} {list_text(outliers)})"
+        notes = (*self.scan.notes, *[excluded] * bool(outliers))
+        return (*unsigned, *(f"note: {note}" for note in notes))
 
     def bootstrap_profiles(self, *, count: int, seed: int) -> list[ModeSum]:
         """Profiles that scans with other noise would have given: residuals drawn again.

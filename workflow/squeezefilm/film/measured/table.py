@@ -46,17 +46,20 @@ from squeezefilm.film.measured.columns import (
     UNITS_OF_SCAN_QUANTITY,
     ScanColumn,
     header_columns,
+    remedies_of_unused_columns,
     scan_column_of_cell,
     select_columns,
     unit_problems,
 )
 from squeezefilm.film.measured.header import (
     BLANK_SEPARATOR,
+    UNCERTAINTY_PATTERN,
     find_header,
     header_with_units,
     split_cells,
     wants_of_points,
 )
+from squeezefilm.film.measured.phases import reject_unclear_phases
 from squeezefilm.film.measured.scan import (
     NO_REMEDIES,
     PointRemedies,
@@ -80,7 +83,7 @@ MIN_COMPONENT_RATIO = 0.4
 USABLE_QUANTITIES = {*UNITS_OF_SCAN_QUANTITY, "normal"}
 PLAIN_NUMBER_PATTERN = re.compile(r"[-+]?[.,]?\d[\d.,]*(?:[eEdD][-+]?\d+)?$")
 # How lines above and below rows of numbers begin: column titles' second line, lines, sums.
-WORD_LINE_PATTERN = re.compile(r"[^\W\d_]{2,}.*")
+WORD_LINE_PATTERN = re.compile(r"[(\[]?[^\W\d_]{2,}.*")
 RULED_LINE_PATTERN = re.compile(r"[-=*_\s]{3,}")
 
 
@@ -119,9 +122,17 @@ def read_point_table(
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.column_index for column in columns.values()}
-        understood = {each.name for each in header_columns(header) if each.quantity != "height"}
-        ignored = [repr(name) for name in header if name not in understood]
+        understood = {
+            each.column_index
+            for each in header_columns(header)
+            if each.quantity not in {*COORDINATE_UNITS, "height"}
+        }
+        ignored = [repr(name) for at, name in enumerate(header) if at not in taken | understood]
         beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
+        if not motion:
+            beside += "".join(
+                f"; {remedy}" for remedy in remedies_of_unused_columns(header, columns.values())
+            )
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         elsewhere, second = (
             _columns_of_second_table(lines, first, separator, columns)
@@ -149,7 +160,8 @@ def read_point_table(
             raise InputError("; and ".join([*problems, *wants_of_points(points, remedies)]))
     needed = max(taken) + 1
     in_columns = at_frequency or any(
-        each.quantity == "frequency" for each in header_columns(header)
+        each.quantity == "frequency" and (each.size or not each.unit)
+        for each in header_columns(header)
     )
     lines, joined = lines_of_one_table(
         lines,
@@ -164,6 +176,8 @@ def read_point_table(
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
     notes += [f"{above} lines before the header ignored"] * bool(above)
+    uncertain = any(map(UNCERTAINTY_PATTERN.search, lines[first:]))
+    notes += ["uncertainties behind ± ignored"] * uncertain
     notes += [*at_frequency, *beside_rows]
     settings = [
         scan_column_of_cell(name, at) or ScanColumn("", "", None, at, name)
@@ -186,8 +200,12 @@ def read_point_table(
         table["sign"] = 1.0
     if frequency_hz is None:
         return table, lacking.tolist(), notes
-    table, chosen = one_row_per_position(table, cells, settings, frequency_hz=frequency_hz)
+    table, chosen = one_row_per_position(
+        table, cells, settings, frequency_hz=frequency_hz, are_chosen=bool(rows)
+    )
     notes += chosen
+    with prefix_errors(f"line {index + 1}"):
+        reject_unclear_phases(table, columns, cells.loc[table.index], settings)
     for column in motion:
         if column.power:
             table[column.quantity] /= (2 * math.pi * frequency_hz) ** column.power
@@ -345,6 +363,8 @@ def _table_cells(
         if len(cells) != names:
             hint = "; decimal commas need another separator, such as semicolons"
             hint *= separator == "," and len(cells) > names
+            unlike = len(cells) == 1 and bool(re.search(r"\d[\s;,]+[-+]?\d", cells[0]))
+            hint += "; separate the rows' cells as the header's" * unlike
             raise InputError(
                 f"line {number}: {len(cells)} cells where the header has {names}{hint}"
             )

@@ -18,9 +18,10 @@ from squeezefilm.film.measured.scan import (
 )
 from squeezefilm.headers import fold_accents
 
+FREQUENCY_WORDS = [each for each in WORDS_OF_MEANING["frequency"] if each not in ("f", "hz", "khz")]
 FREQUENCY_LINE_PATTERN = re.compile(
-    r"(?:\A[#%!\s]*|\d\s+)(?:(?:excitation|drive|driving)\s+)?"
-    rf"(?:{'|'.join(WORDS_OF_MEANING['frequency'])})\W*?(?:[\[(]([kmg]?hz)[\])])?[\s\"]*[:=;,\t]"
+    r"(?:\A[#%!\s]*|\d\s+)(?:(?:excitation|drive|driving|anregungs|激励|励振|加振)\s*)?"
+    rf"(?:{'|'.join(FREQUENCY_WORDS)})\W*?(?:[\[(]([kmg]?hz)[\])])?[\s\"]*[:=;,\t]"
     r"[\s\"=]*(\d+(?:[.,]\d*)?(?:e[-+]?\d+)?)\s*([kmg]?hz)?[\s\";,]*(?:\(.*)?$"
 )
 """How a line above a header tells the frequency of the table below it."""

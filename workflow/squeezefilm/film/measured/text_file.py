@@ -27,6 +27,8 @@ FOREIGN_FILES = [
     )
 ]
 ASIAN_WORDS = [word for words in WORDS_OF_MEANING.values() for word in words if word >= "\u3000"]
+MARKDOWN_RULE_PATTERN = re.compile(r"\s*\|?(?:\s*:?-+:?\s*\|)+(?:\s*:?-+:?)?\s*")
+"""The line below the header of a table of Markdown: ``| ---: | :---: |``."""
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
 
 
@@ -50,8 +52,21 @@ def read_table_lines(path: Path, *, what: str, form: str) -> tuple[list[str], li
     if text.count("\0", 0, MAX_ENCODING_CHECK_CHARACTERS) > MAX_ENCODING_CHECK_CHARACTERS / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
-    lines, matrix = matrix_as_table_lines(io.StringIO(text, newline=None).read().split("\n"))
+    text_lines = io.StringIO(text, newline=None).read().split("\n")
+    lines, matrix = matrix_as_table_lines(_without_markdown(text_lines))
     return lines, notes + matrix
+
+
+def _without_markdown(lines: list[str]) -> list[str]:
+    """Lines of a table of Markdown with tabs between cells; others as they are."""
+    if not any(map(MARKDOWN_RULE_PATTERN.fullmatch, lines)):
+        return lines
+    return [
+        ""
+        if MARKDOWN_RULE_PATTERN.fullmatch(line)
+        else "\t".join(cell.strip() for cell in line.strip(" |").split("|"))
+        for line in lines
+    ]
 
 
 def _reject_foreign_file(part: str, text: str) -> None:

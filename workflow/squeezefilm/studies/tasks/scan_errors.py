@@ -136,7 +136,6 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
     x_m, y_m, _ = smoothed.profile.surface.net_points_and_weights()
     unsure = _rounded_up_percent_text(float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()))
     misfit = _rounded_up_percent_text(float(smoothed.mode_misfit(x_m=x_m, y_m=y_m).max()))
-    outliers = smoothed.scan.lines[smoothed.outlier_mask].tolist()
     summary = {"largest_force_noise_fraction": noise, "largest_force_error_fraction": error}
     point_noise = percent_text(100 * smoothed.noise_m / smoothed.peak_m, sign="")
     rms = f"{percent_text(100 * smoothed.quadrature, sign='')} rms including its noise"
@@ -148,11 +147,9 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
         "misfit of the profile": f"at most {misfit} of the largest amplitude, too few points",
         "quadrature motion": rms + ", neglected" * (not smoothed.profile.is_complex),
         "points": len(smoothed.measured_amplitude_m),
-        "outliers": f"{len(outliers)}, not fitted (lines {str(outliers[:6])[1:-1]})",
         "degree of the modes": smoothed.fit.degree,
         "notes": [warning.removeprefix("note: ") for warning in smoothed.warnings],
     }
-    row |= {} if outliers else {"outliers": ""}
     row |= {} if smoothed.profiles_with_misfit else {"misfit of the profile": ""}
     text = result_lines_text(row)
     shown = "; ".join(" ".join(line.split()) for line in text.splitlines())
