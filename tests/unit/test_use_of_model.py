@@ -281,6 +281,17 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     np.testing.assert_allclose(rise, 2e-3 + 0.01 * 0.5, rtol=3e-2)
 
 
+def test_an_amplitude_states_what_its_errors_are_relative_to(write_fit, capsys):
+    """1.0 % of the amplitude stood above 2.1 % of the force, and nothing said which was which."""
+    path = write_fit(get_model("four_factor"), THETA["four_factor"])
+    assert cli.main(["amplitude-for", str(path), "--force=0.5N", "--h0=5um"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(
+        r"prediction error \(95 %\) +± 0\.0\d+ µm, 0\.\d+ % of the amplitude", lines[1]
+    )
+    assert re.fullmatch(r"prediction error of the force \(95 %\) +1\.\d %", lines[3])
+
+
 def test_a_parameter_without_a_unit_is_a_number_alone(write_fit):
     """It was followed by the unit 1, as one more number."""
     fit = Fit.read(write_fit(get_model("two_factor"), THETA["two_factor"]))

@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 import yaml
 from pydantic import ValidationError
 
-from squeezefilm.config.film import FilmSections
+from squeezefilm.config.film import FilmSections, key_paths_with_values
 from squeezefilm.config.keys import (
     Schema,
     allowed_values_text,
@@ -216,6 +216,11 @@ def _messages_of_errors(
             text = _key_error_message(entry, key_path, schema_of_key(key_path[:-1], values))
         else:
             text = _value_error_message(entry, key_path, schema_of_key(key_path, values))
+            written = key_paths_with_values(values) if entry["type"] == "relation" else ()
+            inside = {
+                place: value for place, value in written if place[: len(key_path)] == key_path
+            }
+            text = "; ".join([text, *_unit_notes_of_values(inside, values)])
         inner = next(
             (key_path[:end] for end in range(len(key_path), 0, -1) if key_path[:end] in lines), ()
         )
@@ -335,9 +340,15 @@ def differences_from_paper(config: Study) -> Iterator[str]:
 def study_notes(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
-    ``unit_notes``, ``target_force_notes``, a study of the paper with another film, a standing wave
-    without a model that repeats along it.
+    ``unit_notes``, ``target_force_notes``, a study with the name of another file's, of the paper
+    with another film, a standing wave without a model that repeats along it.
     """
+    namesake = config.path.with_name(f"{config.study}.yaml")
+    if namesake.name != config.path.name and namesake.exists():
+        yield (
+            f"study: {config.study} is the study of {namesake}: results/{config.study} would hold "
+            f"the results of both; write another name, such as {config.path.stem}"
+        )
     if config.paper and (changes := list(differences_from_paper(config))):
         yield (
             f"paper: true, but {', '.join(changes)}: its pages name a variant of the paper; leave "
@@ -353,9 +364,15 @@ def study_notes(config: Study) -> Iterator[str]:
 
 
 def unit_notes(config: FilmSections) -> Iterator[str]:
-    """Yield notes on numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT."""
-    for place, value in config.written_values.items():
-        unit = unit_of_schema(_schema_of_config_key(config, place))
+    """Notes on numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT."""
+    return _unit_notes_of_values(config.written_values, config.sections_as_dict())
+
+
+def _unit_notes_of_values(
+    written: Mapping[KeyPath, Any], sections: Mapping[str, Any]
+) -> Iterator[str]:
+    for place, value in written.items():
+        unit = unit_of_schema(schema_of_key(place, sections))
         if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):
             least, most, meant = USUAL_RANGE_AND_INPUT_UNIT[unit]
             if not least <= abs(value) <= most:
