@@ -231,7 +231,7 @@ def test_a_fit_without_the_surface_does_not_say_that_the_pad_lies_on_it(write_fi
     assert validity(film)[:2] == ["ok", "ok"]
     assert "the edge of the pad lies at x = " in validity(film)[2]
     del film["surface"]
-    assert [text[:9] for text in validity(film)] == ["ok", "not known", "not known"]
+    assert [text[:9] for text in validity(film)] == ["ok", "ok", "not known"]
 
 
 def test_a_region_that_the_interval_covers_badly_is_noted(write_fit):

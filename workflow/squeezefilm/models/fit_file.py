@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -213,7 +213,7 @@ class FittedModel(BaseModel):
         return self.force_model.evaluate(self.theta, self.with_asymptotic_forces(factors))
 
     def no_film_texts(self, factors: Factors) -> list[str]:
-        """Why there is no film: surface and pad touch, or the pad lies off the surface; else empty.
+        """Reasons for no film: surface and pad touch, or the pad lies off the surface; else empty.
 
         Of a file without the surface only whether they touch is known.
         """
@@ -248,9 +248,15 @@ class FittedModel(BaseModel):
         centre = np.zeros(len(factors))
         limits = validity_texts(film.scenes(factors.h0_m, factors.hv_m, centre, centre))
         if self.film.surface is None:
-            unknown = (limits == OK) & (factors.phi_r_m > 0)
-            limits[unknown] = SURFACE_UNKNOWN_TEXT
+            limits[(limits == OK) & self._outside_positions_mask(factors)] = SURFACE_UNKNOWN_TEXT
         return [text or limit for text, limit in zip(no_film, limits, strict=True)]
+
+    def _outside_positions_mask(self, factors: Factors) -> NDArray[np.bool_]:
+        """Return which points lie off the positions of the simulations, shape (n,)."""
+        known = self.prediction_interval.ranges if self.prediction_interval else self.ranges
+        ranges = {name: known.get(name, (0.0, 0.0)) for name in self.position_columns}
+        masks = self.folded_factors(factors).outside_masks(ranges)
+        return np.any([*masks.values()], axis=0)
 
     def validation(self, factors: Factors, force_n: ArrayLike) -> tuple[Array, Array, list[str]]:
         """Errors that hold 95 % and 99 % of new points, and why a point is not validated.
@@ -285,7 +291,7 @@ class FittedModel(BaseModel):
         return error_95, error_99, texts
 
     def undefined_texts(self, factors: Factors) -> list[str]:
-        """Why a model would have no force at each point: its table ends, or its formula does."""
+        """Reasons for which a model has no force: its table ends, or its formula has no value."""
         texts = np.full(len(factors), "the formula has no value here", dtype=object)
         if self.force_model.column_names and (table := self.limit_table):
             for name, outside in reversed(table.outside_masks(factors).items()):
