@@ -13,13 +13,17 @@ TYPESET = """
 const done = arguments[0], formulas = window.MathJax?.startup?.promise;
 formulas ? formulas.then(done) : setTimeout(done, document.querySelector(".math") ? 1500 : 0);
 """
-# Formulas as text, and tables and printed lines that are wider than their place.
+# Formulas as text, tables and printed lines that are wider than their place, and names of tables
+# that are broken within: the keys of the configuration stood in a column of 60 pixels.
 FAULTS = r"""
 const cut = [...document.querySelectorAll("article .table-wrapper, article pre, article img")]
   .filter((part) => part.scrollWidth > part.clientWidth + 1);
+const broken = [...document.querySelectorAll("article td code")]
+  .filter((name) => /^[\w.]+$/.test(name.textContent) && name.getClientRects().length > 1);
 return [
   [...document.querySelectorAll(".math")].filter((part) => /\\[(\[]/.test(part.textContent)).length,
   cut.map((part) => part.innerText.slice(0, 60)),
+  broken.map((name) => name.textContent),
 ];
 """
 
@@ -46,9 +50,10 @@ def test_no_page_is_wider_than_the_window_or_needs_a_network(size, browser, site
         browser.driver.execute_async_script(TYPESET)
         requests += browser.requests()
         elsewhere = [each["url"] for each in requests if not each["url"].startswith("file:")]
-        raw, cut = browser.run(FAULTS)
+        raw, cut, broken = browser.run(FAULTS)
         wide = browser.run("return document.documentElement.scrollWidth > innerWidth")
-        found = (elsewhere, raw, wide, cut if size == DESKTOP else [])  # a phone's tables scroll
+        # A phone's tables scroll.
+        found = (elsewhere, raw, wide, broken, cut if size == DESKTOP else [])
         if any(found):
             faults[page.relative_to(site)] = found
     assert faults == {}

@@ -129,6 +129,14 @@ def test_a_reference_is_read_as_it_was_written(tmp_path):
     assert [path.name for path in tmp_path.glob("*.csv")] == ["data.csv"]
 
 
+def test_a_reference_of_another_study_is_no_list_of_failures(repository, refused):
+    """247 of 278 quantities failed, and the remedy was to delete files."""
+    quick, paper = repository / "tests/reference/quick", repository / "config/paper.yaml"
+    error = refused("check", quick, f"--config={paper}", f"--reference={quick}")
+    assert "is the reference of the study quick, and" in error
+    assert "has results of paper; `make reference STUDIES=paper` makes one" in error
+
+
 def test_pictures_go_with_a_reference_into_a_new_folder(tmp_path):
     picture = tmp_path / PICTURES_FOLDER / f"fig08{PLAIN_PICTURE_SUFFIX}"
     picture.parent.mkdir(parents=True)

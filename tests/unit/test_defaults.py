@@ -152,6 +152,38 @@ def test_numbers_that_may_lack_their_unit_are_noted(tmp_path, capsys):
     ]
 
 
+def test_a_pad_that_does_not_fit_for_want_of_a_unit_is_told_so(tmp_path, refused):
+    (path := tmp_path / "mine.yaml").write_text(SHORT.replace("12 mm", "10"), encoding="utf-8")
+    error = refused("config", path)
+    assert "no room to move the pad" in error
+    assert error.count("pad.length_x is read as 10 m; for 10 mm write the unit") == 1
+    path.write_text(SHORT.replace("12 mm", "80 mm"), encoding="utf-8")
+    assert "is read as" not in refused("config", path)
+
+
+def test_a_study_with_the_name_of_another_file_is_noted(tmp_path, capsys):
+    """A copy of config/paper.yaml with a new formula wrote its results into results/paper."""
+    (tmp_path / "mine.yaml").write_text(SHORT, encoding="utf-8")
+    (tmp_path / "copy.yaml").write_text(SHORT, encoding="utf-8")
+    note = f"note: study: mine is the study of {tmp_path}/mine.yaml: results/mine would hold"
+    for name, count in (("mine", 0), ("copy", 1)):
+        assert main(["config", f"{tmp_path}/{name}.yaml"]) == 0
+        assert capsys.readouterr().err.count(note) == count
+
+
+def test_a_model_with_positions_among_those_of_the_centred_pad_is_noted(tmp_path, capsys):
+    text = f"""{SHORT}
+models: {{mine: {{expression: t0*(hv/h0)**2 + t1*x**2}}}}
+comparison: {{two_factor: [mine, limit], four_factor: [mine]}}
+"""
+    (path := tmp_path / "mine.yaml").write_text(text, encoding="utf-8")
+    assert main(["config", str(path)]) == 0
+    assert capsys.readouterr().err.splitlines() == [
+        "note: comparison.two_factor: mine has the pad's position, which is 0 at all these points: "
+        "name it in comparison.four_factor"
+    ]
+
+
 def test_a_variant_of_the_paper_is_named_by_what_differs(repository, tmp_path, capsys):
     """Claims of the paper were compared with another film's numbers, without a word."""
     text = (repository / "config/paper.yaml").read_text(encoding="utf-8")

@@ -8,7 +8,7 @@ import pytest
 
 from squeezefilm.cli import main as cli
 from squeezefilm_workflow.paper import uncertainty
-from squeezefilm_workflow.reporting import models
+from squeezefilm_workflow.reporting import models, summary
 from squeezefilm_workflow.reporting.notes import claim_verdict_counts
 from squeezefilm_workflow.reporting.pages import html_of_markdown, render_template
 
@@ -87,6 +87,20 @@ def test_models_have_their_verdict_first_and_columns_in_words():
     assert list(models.shown_models_table(models.ranked_models(none_validated)).columns) == list(
         shown.columns
     )
+
+
+def test_the_summary_names_the_plans_and_points_of_a_recommended_model(tmp_path):
+    """`recommended: limit_1 on two_factor` named a space among plans, and `worst` had no plan."""
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models/recommended.csv").write_text(
+        "space,model,fit_points,validation_points,validation_error,simulations,worst_error\n"
+        "two_factor,limit_1,64,500,0.0015,2125,0.031\n"
+    )
+    results = models.Results(tmp_path, SimpleNamespace(paper=False))
+    (row,) = summary._recommended_model_rows(results)
+    assert row["model fitted on"] == "screen (64 points), recommended: limit_1"
+    assert row["validated on"] == "validation_two_factor (500 points)"
+    assert row["worst"].endswith("_four_factor, four_factor: 2125 points)")
 
 
 @pytest.mark.parametrize("word", ["recommended", "explains"])

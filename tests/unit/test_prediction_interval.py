@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.models.data import Factors
 from squeezefilm.models.prediction_interval import (
     PredictionInterval,
@@ -99,6 +100,12 @@ def test_coverage_is_shown_by_region():
     shares = {(r["quantity"], r["third"]): r["coverage"] for r in found.coverage}
     assert found.mean_coverage == pytest.approx(0.95, abs=0.03)
     assert shares["phi_r_m", "high"] < found.mean_coverage < shares["phi_r_m", "low"] == 1
+    # The points of the region have it in a note, and no others.
+    region = f"high third of the {COLUMNS['phi_r_m'].label}"
+    noted = np.array([region in note for note in found.coverage_notes(factors)])
+    assert shares["phi_r_m", "high"] < 0.9
+    assert noted.mean() == pytest.approx(1 / 3, abs=0.02)
+    assert factors.phi_r_m[noted].min() > factors.phi_r_m[~noted].max()
     assert {"h0_m", "hv_m", "epsilon", "phi_r_m", "phi_deg"} == {name for name, _ in shares}
 
 

@@ -62,7 +62,7 @@ def wavy(share: float) -> Callable[[np.ndarray], np.ndarray]:
 
 def test_a_model_that_holds_reaches_the_wanted_error():
     found, asked = run(model(QUADRATIC), wavy(0))
-    assert found.verdict == "reached"
+    assert found.verdict == "targets met"
     np.testing.assert_allclose(found.rounds[-1].theta, [5, 3], rtol=1e-6)
     assert len(asked) == len(set(asked)) == found.rounds[-1].simulations <= 20
 
@@ -78,7 +78,7 @@ def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():
     unseen = np.setdiff1d(everywhere, found.simulated_indices)
     force = truth(points.factors.take(unseen).epsilon)
     misses = model(QUADRATIC).evaluate(last.theta, points.factors.take(unseen)) - force
-    assert found.verdict == "reached"
+    assert found.verdict == "targets met"
     assert last.global_lower < np.linalg.norm(misses) / np.linalg.norm(force) < last.global_upper
     assert 0.5 < last.worst_error * found.rms_force_n / np.abs(misses).max() < 3
 
@@ -132,7 +132,7 @@ def test_what_cannot_begin_is_told_before_anything_is_simulated(expression, chec
 
 def test_a_model_that_lacks_a_term_is_found_out():
     found, asked = run(model("t0*(hv/h0)**2"), lambda e: 5 * e**2 + 30 * e**4)
-    assert found.verdict == "model"
+    assert found.verdict == "limited by the model"
     assert len(asked) <= 12
     assert found.rounds[-1].floor > GOAL["worst_error"]
     # It is proved: no other parameter leaves a smaller largest residual than the floor.
@@ -151,8 +151,10 @@ def test_rough_simulations_are_not_taken_for_a_bad_model():
     def truth(e: np.ndarray) -> np.ndarray:
         return np.asarray(5 * e**2 + noise[(e * 1e7).astype(int) % 2000])
 
-    assert run(model("t0*(hv/h0)**2"), truth, error_n=3e-3)[0].verdict == "simulation"
-    assert run(model("t0*(hv/h0)**2"), truth, error_n=1e-6)[0].verdict == "model"
+    assert (
+        run(model("t0*(hv/h0)**2"), truth, error_n=3e-3)[0].verdict == "limited by the simulations"
+    )
+    assert run(model("t0*(hv/h0)**2"), truth, error_n=1e-6)[0].verdict == "limited by the model"
 
 
 def test_points_keep_their_distance():
@@ -167,11 +169,14 @@ def test_points_keep_their_distance():
 
 @pytest.mark.parametrize(
     ("allowed", "batch", "made", "reason"),
-    [(16, 3, 14, ""), (1000, 20, 45, "no more points can be designed")],
+    [
+        (16, 3, 14, "14 of 16 simulations are done, and another batch has 3"),
+        (1000, 20, 45, "no more points can be designed"),
+    ],
 )
-def test_the_loop_ends_where_its_budget_or_its_space_does(allowed, batch, made, reason):
+def test_the_loop_ends_where_its_simulations_or_its_space_does(allowed, batch, made, reason):
     goal = GOAL | {"worst_error": 1e-6, "simulations": allowed, "batch": batch}
     found, asked = run(model(QUADRATIC), wavy(1e-7), goal=goal)
-    assert found.verdict == "budget"
+    assert found.verdict == "out of simulations"
     assert reason in found.reason
     assert made - 4 <= len(asked) <= allowed

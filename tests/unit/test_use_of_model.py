@@ -23,6 +23,7 @@ from squeezefilm.models.fit_file import read_fit
 from squeezefilm.models.force_model import get_model, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
+from squeezefilm.studies.study import film_values
 from squeezefilm.studies.tasks.physics_limits import limit_table_of_study
 from squeezefilm.units import parse_quantities, value_and_error_texts
 
@@ -98,8 +99,8 @@ def write_fit(tmp_path, limit_table):
     return write
 
 
-def table_of(arguments: list[str], tmp_path: Path) -> pd.DataFrame:
-    assert cli.main([*arguments, f"--output={tmp_path}/out.csv"]) == 0
+def table_of(arguments: list[str], tmp_path: Path, *, status: int = 0) -> pd.DataFrame:
+    assert cli.main([*arguments, f"--output={tmp_path}/out.csv"]) == status
     return pd.read_csv(tmp_path / "out.csv", dtype={"note": str}).fillna({"note": ""})
 
 
@@ -134,12 +135,13 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
         (["--h0=5um", "--hv=1um"], ""),
         (["--h0=5um", "--hv=2.2um"], "hv = 2.2 µm outside 0.2 … 2 µm"),
         (["--h0=5um", "--hv=1um", "--phi-r=2.95mm", "--phi=10deg"], "r = 2.95 mm outside"),
-        (["--h0=1um", "--hv=0.9um"], "undefined here"),
+        (["--h0=1um", "--hv=0.9um"], "the formula has no value here"),
     ],
 )
 def test_extrapolation_is_noted(options, note, write_fit, tmp_path):
     path = write_fit(get_model("four_factor"), THETA["four_factor"])
-    table = table_of(["predict", str(path), *options], tmp_path)
+    no_value = "no value" in note
+    table = table_of(["predict", str(path), *options], tmp_path, status=int(no_value))
     assert (note in table["note"][0]) if note else table["note"][0] == ""
     for name in ("error_95_percent", "error_95_n", "error_99_n"):
         assert np.isnan(table[name][0]) == bool(note)
@@ -178,6 +180,75 @@ def test_the_operating_point_has_the_position_that_is_taken(
     assert line.endswith(f", {taken}")
 
 
+@pytest.mark.parametrize(
+    ("model", "command", "reason"),
+    [
+        ("four_factor", ["predict", "--hv=1um", "--x=8mm"], "pad lies 13.928 mm from the centre"),
+        (
+            "four_factor",
+            ["amplitude-for", "--force=0.2N", "--x=8mm"],
+            "may lie at most 3.66 mm out",
+        ),
+        ("four_factor", ["predict", "--hv=6um"], "reaches h0 = 5 µm: surface and pad touch"),
+        ("limit_2", ["predict", "--h0=12um", "--hv=1um"], "expansion ends at h0 = 5 and 10 µm"),
+        ("limit_2", ["amplitude-for", "--h0=12um", "--force=0.2N"], "expansion ends at h0 = 5 and"),
+        ("limit_2", ["amplitude-for", "--force=15N"], "expansion ends at hv/h0 = 0.707"),
+    ],
+)
+def test_a_point_without_a_result_ends_with_the_reason_and_status_1(
+    model, command, reason, write_fit, repository, tmp_path, capsys
+):
+    """A force was printed with the pad off the surface, and in contact; each ended with 0."""
+    paper = load_config(repository / "config" / "paper.yaml")
+    film = film_values(paper, absent_terms=["inertia; thermal effects"])
+    name, *options = command
+    arguments = [name, str(write_fit(get_model(model), THETA[model], film=film)), "--h0=5um"]
+    assert cli.main([*arguments, *options]) == 1
+    printed = capsys.readouterr()
+    assert "not available" in printed.out.splitlines()[0]
+    assert reason in printed.err
+    # The other row is there all the same.
+    table = table_of([*arguments[:-1], *options, f"--h0={_h0_of(options)},6um"], tmp_path, status=1)
+    result = "force_n" if name == "predict" else "hv_m"
+    assert np.isnan(table[result][0])
+    assert reason in f"{table['validity'][0]} {table['note'][0]}"
+
+
+def _h0_of(options: list[str]) -> str:
+    return next((each[5:] for each in options if each.startswith("--h0=")), "5um")
+
+
+def test_a_fit_without_the_surface_does_not_say_that_the_pad_lies_on_it(write_fit, repository):
+    plate = load_config(repository / "config" / "plate.yaml")
+    film = film_values(plate, absent_terms=["inertia; thermal effects"])
+    points = pd.DataFrame({"h0_m": 5e-6, "hv_m": 1e-6, "x_m": [0.0, 1e-3, 20e-3], "y_m": 0.0})
+
+    def validity(film: dict) -> list[str]:
+        path = write_fit(get_model("four_factor"), THETA["four_factor"], film=film)
+        Fit.read(path).save(path)
+        return list(Fit.read(path).predict_at(points)["validity"])
+
+    assert validity(film)[:2] == ["ok", "ok"]
+    assert "the edge of the pad lies at x = " in validity(film)[2]
+    del film["surface"]
+    assert [text[:9] for text in validity(film)] == ["ok", "ok", "not known"]
+
+
+def test_a_region_that_the_interval_covers_badly_is_noted(write_fit):
+    """At 10 µm 76 % of the sample lay within the 95 % error, and the force had no note."""
+    own = validation()
+    high = {"quantity": "h0_m", "third": "high", "lower": 8e-6, "upper": None, "coverage": 0.76}
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    known = write_fit(
+        get_model("four_factor"), THETA["four_factor"], validation=own | {"coverage": [high]}
+    )
+    found = Fit.read(known).predict(h0="5um,9um", hv="1um")
+    text = "the 95 % error holds 76 % of the sample in the high third of the gap h0"
+    assert list(found["note"]) == ["", text]
+    assert np.isfinite(found["error_95_n"]).all()
+    assert list(Fit.read(path).predict(h0="5um,9um", hv="1um")["note"]) == ["", ""]
+
+
 def test_the_validation_states_the_part_of_an_error_that_it_measures(write_fit, tmp_path):
     """A 95 % error of 2.1 % stood beside a coverage of 0.4 %: the rest was the scan's."""
     model, theta = get_model("two_factor"), THETA["two_factor"]
@@ -208,6 +279,17 @@ def test_the_working_point_gives_the_wanted_force(name, write_fit, tmp_path):
     more = Factors.of(**given | {"hv_m": found["hv_m"] + found["hv_error_95_m"]})
     rise = get_model(name).evaluate(THETA[name], fit.with_asymptotic_forces(more)) - force
     np.testing.assert_allclose(rise, 2e-3 + 0.01 * 0.5, rtol=3e-2)
+
+
+def test_an_amplitude_states_what_its_errors_are_relative_to(write_fit, capsys):
+    """1.0 % of the amplitude stood above 2.1 % of the force, and nothing said which was which."""
+    path = write_fit(get_model("four_factor"), THETA["four_factor"])
+    assert cli.main(["amplitude-for", str(path), "--force=0.5N", "--h0=5um"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert re.fullmatch(
+        r"prediction error \(95 %\) +± 0\.0\d+ µm, 0\.\d+ % of the amplitude", lines[1]
+    )
+    assert re.fullmatch(r"prediction error of the force \(95 %\) +1\.\d %", lines[3])
 
 
 def test_a_parameter_without_a_unit_is_a_number_alone(write_fit):

@@ -199,7 +199,8 @@ def test_the_headline_has_the_models_the_amplitudes_and_neglected_effects(
     )
     results = Results.of_folder(tmp_path, repository / "config/plate.yaml")
     text = render_template("in_short.md", **headline_values(results), pictures=defaultdict(str))
-    assert "limit_1, global error 0.9 % on 32 points of the validation sample" in text
+    model = "Recommended model with the pad at the centre: limit_1, global error 0.9 % on 32 points"
+    assert f"{model} of the validation sample" in text
     assert "simulations). No model compared is within the study's ±15 %" in text
     assert "The recommended model bump gives the amplitude for" in text.partition("## In short")[0]
     assert text.index("limit_1, global error") < text.index("**Fit.**")  # the paper's formula last
@@ -231,7 +232,7 @@ def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repo
     names = ["limit_2 on four_factor", "limit_1 on two_factor", "screen"]
     assert [each["name"] for each in fits] == names
     assert "effects of the error budget add −0.09…+0.61 % (h0 = 5 µm) to " in page
-    assert [each["label"].endswith(", best") for each in fits] == [True, True, False]
+    assert [each["label"].endswith(", recommended") for each in fits] == [True, True, False]
 
 
 def test_models_and_forces_are_on_the_page_to_the_last_digit(study):

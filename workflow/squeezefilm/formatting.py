@@ -239,11 +239,13 @@ def _take_result_lines(row: Row) -> LabelledLines:
     else:
         reason = NOT_AVAILABLE_TEXT
 
+    base = " of the amplitude" if name == "hv_m" else ""
+
     def error_and_percent_text(error: float, source: str) -> str:
         if not isfinite(error):
             return reason
         part = round_up_error(100 * abs(error / value)) if value else 0.0
-        percentage = f", {percent_text(part, sign='')}" if value else ""
+        percentage = f", {percent_text(part, sign='')}{base}" if value else ""
         return f"± {error_text_in_unit(error, value=value, unit=unit)}{percentage}{source}"
 
     wider, bias = errors.get("error_99_n", 0.0), row.pop("quadrature_n", 0.0)

@@ -199,11 +199,11 @@ def failed_point_texts(forces: pd.DataFrame) -> list[str]:
     return [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
 
 
-def no_force_message(failures: Sequence[str], scenes: Path | str) -> str:
-    """The message for points without a force."""
+def no_force_message(failures: Sequence[str], source: Path | str, *, missing: str = "force") -> str:
+    """The message for points without a force, or without another result."""
     beyond = len(failures) - MAX_ROWS_IN_MESSAGE
     more = f" and {beyond} more" if beyond > 0 else ""
-    return f"{scenes}: no force for {'; '.join(failures[:MAX_ROWS_IN_MESSAGE])}{more}"
+    return f"{source}: no {missing} for {'; '.join(failures[:MAX_ROWS_IN_MESSAGE])}{more}"
 
 
 def _read_table(

@@ -101,7 +101,7 @@ class Fit:
         ``error_95_n`` and ``error_99_n`` are the half widths of the prediction interval
         (``statement`` says what it is); empty where a point is not validated, and ``note`` says
         why. ``validity`` is ``ok``, or the limits of validity of the film equation that the point's
-        film exceeds.
+        film exceeds, or why there is no film, and then no force.
         Raises InputError naming the place, for values without physical meaning.
 
         Example:
@@ -112,16 +112,17 @@ class Fit:
         fit = self.model
         with prefix_errors(place):
             points = _points_with_factor_columns(points, needed=FACTOR_COLUMNS[:2])
-            factors = fit.folded_factors(factors_of_table(points))
-        force_n = fit.evaluate(factors)
+            given = factors_of_table(points)
+        factors, has_film = fit.folded_factors(given), [not t for t in fit.no_film_texts(given)]
+        force_n = np.where(has_film, fit.evaluate(factors), np.nan)
         error_95_n, error_99_n, notes = fit.validation(factors, force_n)
         return points.assign(
             force_n=force_n,
             error_95_n=error_95_n,
             error_99_n=error_99_n,
             **fit.error_percent_columns(error_95_n, force_n),
-            validity=fit.validity(factors),
-            note=notes,
+            validity=fit.validity(given),
+            note=np.where(has_film, notes, ""),
         )
 
     def amplitude_for(

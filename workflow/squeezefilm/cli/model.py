@@ -18,10 +18,12 @@ from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
 from squeezefilm.film.positions import CARTESIAN_COLUMNS, fill_missing_coordinate
 from squeezefilm.film.validity import OK
+from squeezefilm.formatting import column_label
 from squeezefilm.lazy import pd
 from squeezefilm.models.export import NAN_OF_LANGUAGE
-from squeezefilm.models.fit_file import FILM_UNKNOWN_TEXT
-from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_columns
+from squeezefilm.models.fit_file import UNKNOWN_PREFIX
+from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, no_force_message, read_columns
+from squeezefilm.units import split_unit
 
 
 @command(
@@ -47,8 +49,9 @@ def predict(options: argparse.Namespace) -> None:
     so. Where the profile was measured, both contain the uncertainty of its scan,
     `profile_uncertainty_percent` of the force; the validation sample measures the rest,
     `error_95_without_scan_percent`. `validity` is `ok`, or the limits of validity of the
-    film equation that a point exceeds; one point by options outside them is shown with exit status
-    1.
+    film equation that a point exceeds, or why there is no film: surface and pad touch, or the pad
+    lies off the surface. The exit status is 1 when a point has no force, and where one point by
+    options is outside the limits; all rows are written nevertheless.
     """
     fit = Fit.read(options.fit)
     if options.points:
@@ -63,10 +66,8 @@ def predict(options: argparse.Namespace) -> None:
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=source)
     write_or_print_rows(predicted, options, given=table.columns, **fit.about)
-    valid = predicted["validity"].iloc[0]
     alone = len(predicted) == 1 and not (options.points or options.output)
-    if alone and valid not in (OK, FILM_UNKNOWN_TEXT):
-        raise RunError(f"outside the limits of validity: {valid}")
+    _check_values_known(predicted, "force_n", source=source, alone=alone)
 
 
 @command(
@@ -85,12 +86,41 @@ def amplitude_for(options: argparse.Namespace) -> None:
     over the slope of force against amplitude, and `error_95_percent` that of the force; both
     contain the uncertainty of a measured profile, `profile_uncertainty_percent`. Where the point is
     not validated both are empty and `note` says why, or that no amplitude below contact gives the
-    force.
+    force. The exit status is 1 when a point has no amplitude, and where one point by options is
+    outside the limits of validity.
     """
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
     points = _points_of_options(options)
-    write_or_print_rows(fit.amplitudes_for(points, options.force), options, **fit.about)
+    found = fit.amplitudes_for(points, options.force)
+    write_or_print_rows(found, options, **fit.about)
+    alone = len(found) == 1 and not options.output
+    _check_values_known(found, "hv_m", source="amplitude-for", alone=alone)
+
+
+def _check_values_known(table: pd.DataFrame, name: str, *, source: Path | str, alone: bool) -> None:
+    """Raise RunError for rows without a result, and for one alone outside limits of validity.
+
+    Args:
+        name: the result's column.
+        alone: the single row is one point by options.
+    """
+    result = column_label(split_unit(name)[0])
+    reasons = {
+        row: note.removeprefix("not validated: ") or validity
+        for row, (value, validity, note) in enumerate(
+            zip(table[name], table["validity"], table["note"], strict=True), start=1
+        )
+        if value != value
+    }
+    if reasons and alone:
+        raise RunError(f"no {result}: {reasons[1]}")
+    if reasons:
+        failures = [f"row {row}: {reason}" for row, reason in reasons.items()]
+        raise RunError(no_force_message(failures, source, missing=result))
+    valid = table["validity"].iloc[0]
+    if alone and valid != OK and not valid.startswith(UNKNOWN_PREFIX):
+        raise RunError(f"outside the limits of validity: {valid}")
 
 
 def _points_of_options(options: argparse.Namespace) -> pd.DataFrame:

@@ -20,7 +20,7 @@ from squeezefilm.config.writing import effective_yaml
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import read_text, write_text
 from squeezefilm.formatting import result_lines_text
-from squeezefilm.models.force_model import check_models_of_study
+from squeezefilm.models.force_model import check_models_of_study, model_notes
 from squeezefilm.provenance import package_versions
 from squeezefilm.reynolds.device import choose_device, device_name, device_properties, list_devices
 from squeezefilm.reynolds.kernel_cache import kernel_cache_folder
@@ -133,9 +133,7 @@ def config(options: argparse.Namespace) -> None:
     chunk_counts(study)
     print(effective_yaml(study), end="")
     print_notes(study_notes(study))
-    named = {name for section in (study.comparison, study.refine) for name in section.all_names}
-    unused = [model for model in study.models if model not in named]
-    print_notes(f"models.{name} is not fitted: add it to a comparison" for name in unused)
+    print_notes(model_notes(study))
 
 
 @command(option("--device", help="part of the wanted one's name, instead of SQUEEZEFILM_DEVICE"))

@@ -77,7 +77,7 @@ class FilmSections(Section):
 
     def with_source(self, path: Path, values: Mapping[str, Any]) -> Self:
         """The study, which was read from these values of a file."""
-        self._path, self._written = path, dict(_key_paths_with_values(values))
+        self._path, self._written = path, dict(key_paths_with_values(values))
         return self
 
     @property
@@ -189,8 +189,8 @@ def _cached_smoothed_scan(path: Path, _changed: tuple[int, ...], **settings: Any
     return smoothed_scan_of_file(path, **settings)
 
 
-def _key_paths_with_values(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
+def key_paths_with_values(values: Any, key_path: KeyPath = ()) -> Iterator[tuple[KeyPath, Any]]:
     if isinstance(values, Mapping):
         for name, value in values.items():
             yield (*key_path, name), value
-            yield from _key_paths_with_values(value, (*key_path, name))
+            yield from key_paths_with_values(value, (*key_path, name))

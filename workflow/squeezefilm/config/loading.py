@@ -202,9 +202,15 @@ def differences_from_paper(config: Study) -> Iterator[str]:
 def study_notes(config: Study) -> Iterator[str]:
     """Yield notes on what is valid and probably not meant.
 
-    ``unit_notes``, ``target_force_notes``, a study of the paper with another film, a standing wave
-    without a model that repeats along it.
+    ``unit_notes``, ``target_force_notes``, a study with the name of another file's, of the paper
+    with another film, a standing wave without a model that repeats along it.
     """
+    namesake = config.path.with_name(f"{config.study}.yaml")
+    if namesake.name != config.path.name and namesake.exists():
+        yield (
+            f"study: {config.study} is the study of {namesake}: results/{config.study} would hold "
+            f"the results of both; write another name, such as {config.path.stem}"
+        )
     if config.paper and (changes := list(differences_from_paper(config))):
         yield (
             f"paper: true, but {', '.join(changes)}: its pages name a variant of the paper; leave "
@@ -222,12 +228,16 @@ def study_notes(config: Study) -> Iterator[str]:
 def unit_notes(config: FilmSections) -> Iterator[str]:
     """Yield notes on numbers without a unit that lie outside USUAL_RANGE_AND_INPUT_UNIT."""
     for key_path, unit in units_of_numbers(config.sections_as_dict()):
-        value = config.written_values.get(key_path)
-        if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):
-            least, most, meant = USUAL_RANGE_AND_INPUT_UNIT[unit]
-            if not least <= abs(value) <= most:
-                key = ".".join(map(str, key_path))
-                yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
+        yield from unit_notes_of_value(key_path, config.written_values.get(key_path), unit)
+
+
+def unit_notes_of_value(key_path: KeyPath, value: Any, unit: str) -> Iterator[str]:
+    """Yield a note on a number without a unit that lies outside USUAL_RANGE_AND_INPUT_UNIT."""
+    if unit in USUAL_RANGE_AND_INPUT_UNIT and isinstance(value, int | float):
+        least, most, meant = USUAL_RANGE_AND_INPUT_UNIT[unit]
+        if not least <= abs(value) <= most:
+            key = ".".join(map(str, key_path))
+            yield f"{key} is read as {value:g} {unit}; for {value:g} {meant} write the unit"
 
 
 def units_of_numbers(

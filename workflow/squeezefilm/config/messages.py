@@ -6,17 +6,20 @@ Kept apart from reading: the schema that they are made from takes longer than a 
 import difflib
 import math
 import reprlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from pydantic import ValidationError
 
+from squeezefilm.config.film import key_paths_with_values
 from squeezefilm.config.keys import (
     Schema,
     allowed_values_text,
     key_path_of_location,
     schema_of_key,
+    unit_of_schema,
 )
+from squeezefilm.config.loading import unit_notes_of_value
 from squeezefilm.sections import KeyPath, key_of_name
 from squeezefilm.units import (
     NUMBER_PATTERN,
@@ -45,6 +48,8 @@ def messages_of_errors(
             text = _key_error_message(entry, key_path, schema_of_key(key_path[:-1], values))
         else:
             text = _value_error_message(entry, key_path, schema_of_key(key_path, values))
+            if entry["type"] == "relation":
+                text = "; ".join([text, *_unit_notes_of_section(key_path, values)])
         inner = next(
             (key_path[:end] for end in range(len(key_path), 0, -1) if key_path[:end] in lines), ()
         )
@@ -54,6 +59,13 @@ def messages_of_errors(
     )
     reported = [messages[key_path] for key_path in in_order if messages[key_path][1]]
     return [f"line {line}: {text}" if line else text for line, text in reported]
+
+
+def _unit_notes_of_section(section: KeyPath, values: Mapping[str, Any]) -> Iterator[str]:
+    for key_path, value in key_paths_with_values(values):
+        if key_path[: len(section)] == section:
+            unit = unit_of_schema(schema_of_key(key_path, values))
+            yield from unit_notes_of_value(key_path, value, unit)
 
 
 def _key_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:

@@ -20,14 +20,14 @@ Simulations are deterministic, so s is no noise, and "95 %" is about where in th
 
 The loop ends in one of these ways:
 
-- *reached*: the upper limit of the global error and the worst error meet their targets;
-- *model*: no parameters are good enough. Of all parameters the least-squares ones leave the least
-  root mean square residual on the points simulated so far, and the largest of any residuals is no
-  less than their root mean square: if that exceeds the target worst error, this is proved. Or the
-  target global error is below the lower limit of what the best fit to the verification points
-  themselves leaves, with as many fewer degrees of freedom as it has parameters;
-- *simulation*: the same, but what is left is no more than the simulations' own error;
-- *budget*: one more round would take more simulations than allowed.
+- *targets met*: the upper limit of the global error and the worst error meet their targets;
+- *limited by the model*: no parameters are good enough. Of all parameters the least-squares ones
+  leave the least root mean square residual on the points simulated so far, and the largest of any
+  residuals is no less than their root mean square: if that exceeds the target worst error, this is
+  proved. Or the target global error is below the lower limit of what the best fit to the
+  verification points themselves leaves, with as many fewer degrees of freedom as it has parameters;
+- *limited by the simulations*: the same, but what is left is no more than the simulations' error;
+- *out of simulations*: those left are no batch, or no more points can be designed.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class RefinementRound:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """End of the loop: reached, model, simulation or budget, and the reason.
+    """End of the loop, in the words above, and the reason.
 
     theta_of_all_points is the best fit to all points, verification included; simulated_indices
     lists them in the order in which they were simulated, force_n are their forces. rms_force_n is
@@ -288,12 +288,12 @@ class SequentialDesign:
             last.global_upper <= settings.global_error and last.worst_error <= settings.worst_error
         )
         if below and (last.number > 1 or parameters == 0):
-            return "reached", (
+            return "targets met", (
                 f"global error {last.global_error:.2g}, below {last.global_upper:.2g} with 95 %; "
                 f"worst error {last.worst_error:.2g}"
             )
         numerical = last.floor <= MAX_RESIDUAL_ERROR_RATIO * last.simulation_error
-        what = "simulation" if numerical else "model"
+        what = f"limited by the {'simulations' if numerical else 'model'}"
         if last.simulations > parameters and last.floor > settings.worst_error:
             return what, (
                 f"no parameters bring the largest residual on the {last.simulations} points "
@@ -309,10 +309,10 @@ class SequentialDesign:
         if parameters == 0:
             return what, "the model has no parameter that more simulations could improve"
         if last.simulations + settings.batch > settings.simulations:
-            return "budget", (
-                f"{last.simulations} of {settings.simulations} simulations are done; global "
-                f"error {last.global_error:.2g} to {last.global_upper:.2g}, worst error "
-                f"{last.worst_error:.2g}"
+            return "out of simulations", (
+                f"{last.simulations} of {settings.simulations} simulations are done, and another "
+                f"batch has {settings.batch}; global error {last.global_error:.2g} to "
+                f"{last.global_upper:.2g}, worst error {last.worst_error:.2g}"
             )
         return "", ""
 
@@ -348,7 +348,7 @@ class SequentialDesign:
             hindsight = self.fitted_theta(simulated, theta)
             done = self.estimated_round(len(rounds) + 1, design, theta, hindsight, surprise)
             verdict, reason = self.verdict(done, hindsight)
-            if verdict in ("model", "simulation") and len(theta):
+            if verdict.startswith("limited") and len(theta):
                 # The fit may sit in a local minimum: only a global search shows that none is lower.
                 hindsight = self.fitted_theta(simulated, hindsight, None)
                 theta = self.fitted_theta(design, theta, hindsight)
@@ -360,7 +360,10 @@ class SequentialDesign:
                 try:
                     added = self.most_informative_indices(theta, design, count=self.settings.batch)
                 except InputError as error:
-                    verdict, reason = "budget", f"no more points can be designed: {error}"
+                    verdict, reason = (
+                        "out of simulations",
+                        f"no more points can be designed: {error}",
+                    )
             if verdict:
                 force_n, rms_force_n = self.force_n[simulated], self.scale(hindsight)
                 return Outcome(verdict, reason, rounds, hindsight, simulated, force_n, rms_force_n)

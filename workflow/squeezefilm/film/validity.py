@@ -195,16 +195,48 @@ def solvable_scene_mask(scenes: Scenes) -> np.ndarray:
     h0_m, hv_m = scenes.h0_m, scenes.hv_m
     sound = (GAP_RANGE_M[0] <= h0_m) & (h0_m <= GAP_RANGE_M[1]) & (hv_m >= 0) & (hv_m < h0_m)
     for film, rows, scenes_of_film in scenes.split_by_film():
-        outline = film.pad.edge_points_m()
-        x_m, y_m = (
-            np.add.outer(at, outline[:, k])
-            for k, at in enumerate((scenes_of_film.x_m, scenes_of_film.y_m))
+        sound[rows] &= on_surface_mask(
+            film.pad.edge_points_m(),
+            film.actuator.surface,
+            x_m=scenes_of_film.x_m,
+            y_m=scenes_of_film.y_m,
         )
-        sound[rows] &= (
-            film.actuator.surface.relative_distance(x_m, y_m) <= 1 + ACTUATOR_EDGE_TOLERANCE
-        ).all(axis=1)
     sound[sound] = (scenes if sound.all() else scenes[sound]).closure < 1
     return sound
+
+
+def on_surface_mask(
+    outline_m: np.ndarray, surface: Surface, *, x_m: np.ndarray, y_m: np.ndarray
+) -> np.ndarray:
+    """Return at which positions of its centre a pad lies on the surface, shape (n,).
+
+    Args:
+        outline_m: points of the pad's edge from its centre, shape (points, 2).
+    """
+    edge_x_m, edge_y_m = (np.add.outer(at, outline_m[:, k]) for k, at in enumerate((x_m, y_m)))
+    distance = surface.relative_distance(edge_x_m, edge_y_m)
+    return np.asarray((distance <= 1 + ACTUATOR_EDGE_TOLERANCE).all(axis=1))
+
+
+def off_surface_text(outline_m: np.ndarray, surface: Surface, *, x_m: float, y_m: float) -> str:
+    """Return where a pad reaches beyond the surface and how far its centre may lie.
+
+    Args:
+        outline_m: points of the pad's edge from its centre: a rectangle's corners, or more.
+    """
+    edge_x_m, edge_y_m = np.add(outline_m, (x_m, y_m)).T
+    farthest = np.argmax(surface.relative_distance(edge_x_m, edge_y_m))
+    return (
+        f"with its centre at x = {x_m * 1e3:.2f} mm, y = {y_m * 1e3:.2f} mm "
+        f"{'a corner' if len(outline_m) == 4 else 'the edge'} of the pad lies "
+        f"{surface.position_text(edge_x_m[farthest], edge_y_m[farthest])}, off the actuator's "
+        f"{surface.text}; {surface.allowed_positions_text(outline_m, x_m, y_m)}"
+    )
+
+
+def contact_text(h0_m: float, hv_m: float) -> str:
+    """Return that an amplitude reaches the mean gap."""
+    return f"hv = {1e6 * hv_m:g} µm reaches h0 = {1e6 * h0_m:g} µm: surface and pad touch"
 
 
 def check_pad_fits(pad: Pad, surface: Surface) -> None:
@@ -235,23 +267,15 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
             <= h0_m
             <= GAP_RANGE_M[1],
             f"hv = {1e6 * hv_m:g} µm must not be negative": not hv_m >= 0,
-            f"hv = {1e6 * hv_m:g} µm reaches h0 = {1e6 * h0_m:g} µm: surface and pad touch; "
-            "the amplitude must stay below the mean gap": hv_m >= h0_m,
+            f"{contact_text(h0_m, hv_m)}; the amplitude must stay below the mean gap": hv_m >= h0_m,
         },
     )
     pad, surface = scene.pad, scene.actuator.surface
-    outline_m = pad.edge_points_m()
-    x_m, y_m = np.add(outline_m, (scene.x_m, scene.y_m)).T
-    reach = surface.relative_distance(x_m, y_m)
-    if not reach.max() <= 1 + ACTUATOR_EDGE_TOLERANCE:
+    outline_m, x_m, y_m = pad.edge_points_m(), scene.x_m, scene.y_m
+    if not on_surface_mask(outline_m, surface, x_m=np.array([x_m]), y_m=np.array([y_m])).all():
         check_pad_fits(pad, surface)
-        part = "a corner" if pad.shape == "rectangle" else "the edge"
-        farthest = surface.position_text(x_m[np.argmax(reach)], y_m[np.argmax(reach)])
-        raise InputError(
-            f"{source}: with its centre at x = {scene.x_m * 1e3:.2f} mm, y = {scene.y_m * 1e3:.2f} "
-            f"mm {part} of the pad lies {farthest}, off the actuator's {surface.text}; "
-            f"{surface.allowed_positions_text(outline_m, scene.x_m, scene.y_m)}"
-        )
+        where = off_surface_text(outline_m, surface, x_m=x_m, y_m=y_m)
+        raise InputError(f"{source}: {where}")
     contact = "they touch within the noise of the measured profile"
     if not scene.pad.gap.flat:
         contact = "the tilted or crowned pad touches the surface; pad.gap leaves too little"

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from pydantic import (
     BaseModel,
     ConfigDict,
@@ -30,15 +30,26 @@ from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.positions import POLAR_COLUMNS
 from squeezefilm.film.profiles import Piston
 from squeezefilm.film.scene import Actuator, Film, Gas
+from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.film.symmetry import Symmetry, symmetry_from_dict
-from squeezefilm.film.validity import validity_texts
+from squeezefilm.film.validity import (
+    OK,
+    contact_text,
+    off_surface_text,
+    on_surface_mask,
+    validity_texts,
+)
 from squeezefilm.models.data import PHYSICS_COLUMN_OF_NAME, Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
 from squeezefilm.tables import read_json
 
-FILM_UNKNOWN_TEXT = "not known: the fit's file does not describe its film"
+UNKNOWN_PREFIX = "not known: "
+FILM_UNKNOWN_TEXT = f"{UNKNOWN_PREFIX}the fit's file does not describe its film"
+SURFACE_UNKNOWN_TEXT = (
+    f"{UNKNOWN_PREFIX}the fit's file does not describe the surface, so that the pad may lie off it"
+)
 NO_VALIDATION_SAMPLE_TEXT = "the fit has no validation sample (`squeezefilm fit --sample`)"
 FIT_FILE_FORMAT_VERSION = 1
 """Of the file: counted up where a reader of the one before could not use it."""
@@ -58,19 +69,25 @@ AMPLITUDE_DIFFERENCE_STEP = 1e-4
 
 
 class PadOfFit(BaseModel):
-    """The pad of a fit's film, as far as limits of validity go."""
+    """The pad of a fit's film, as far as limits of validity and its room on the surface go."""
 
     length_x_m: float
     length_y_m: float
     gap: GapShape
+    edge_points_m: tuple[tuple[float, float], ...] = ()
 
 
 class FilmOfFit(BaseModel):
-    """The film of a fit's simulations, as far as limits of validity go."""
+    """The film of a fit's simulations, as far as limits of validity go.
+
+    Attributes:
+        surface: None in a file of a version that did not write it.
+    """
 
     gas: Annotated[Gas, PlainSerializer(asdict)]
     frequency_hz: float
     pad: PadOfFit
+    surface: Disc | Rectangle | None = None
 
     @field_validator("gas", mode="before")
     @classmethod
@@ -195,20 +212,51 @@ class FittedModel(BaseModel):
         """The model's forces in newtons, shape (n,); NaN where it is undefined."""
         return self.force_model.evaluate(self.theta, self.with_asymptotic_forces(factors))
 
+    def no_film_texts(self, factors: Factors) -> list[str]:
+        """Reasons for no film: surface and pad touch, or the pad lies off the surface; else empty.
+
+        Of a file without the surface only whether they touch is known.
+        """
+        h0_m, hv_m, x_m, y_m = (factors.column(name) for name in ("h0_m", "hv_m", "x_m", "y_m"))
+        texts = np.full(len(factors), "", dtype=object)
+        if self.film is not None and (surface := self.film.surface):
+            outline_m = np.array(self.film.pad.edge_points_m)
+            for point in np.flatnonzero(~on_surface_mask(outline_m, surface, x_m=x_m, y_m=y_m)):
+                texts[point] = off_surface_text(outline_m, surface, x_m=x_m[point], y_m=y_m[point])
+        for point in np.flatnonzero(hv_m >= h0_m):
+            texts[point] = contact_text(h0_m[point], hv_m[point])
+        return list(texts)
+
     def validity(self, factors: Factors) -> list[str]:
-        """``ok``, or the limits of validity that each point's film exceeds; FILM_UNKNOWN_TEXT.
+        """``ok``, why there is no film, the limits of validity that it exceeds, or what is unknown.
 
         As if the profile's maximum lay under the whole pad.
         """
+        no_film = self.no_film_texts(factors)
         if self.film is None:
-            return [FILM_UNKNOWN_TEXT] * len(factors)
+            return [text or FILM_UNKNOWN_TEXT for text in no_film]
         film = Film(
             self.film.gas,
             Actuator(self.film.frequency_hz, 1.0, profile=Piston()),
-            Pad(**dict(self.film.pad), speed_x_m_per_s=0.0),
+            Pad(
+                length_x_m=self.film.pad.length_x_m,
+                length_y_m=self.film.pad.length_y_m,
+                gap=self.film.pad.gap,
+                speed_x_m_per_s=0.0,
+            ),
         )
         centre = np.zeros(len(factors))
-        return list(validity_texts(film.scenes(factors.h0_m, factors.hv_m, centre, centre)))
+        limits = validity_texts(film.scenes(factors.h0_m, factors.hv_m, centre, centre))
+        if self.film.surface is None:
+            limits[(limits == OK) & self._outside_positions_mask(factors)] = SURFACE_UNKNOWN_TEXT
+        return [text or limit for text, limit in zip(no_film, limits, strict=True)]
+
+    def _outside_positions_mask(self, factors: Factors) -> NDArray[np.bool_]:
+        """Return which points lie off the positions of the simulations, shape (n,)."""
+        known = self.prediction_interval.ranges if self.prediction_interval else self.ranges
+        ranges = {name: known.get(name, (0.0, 0.0)) for name in self.position_columns}
+        masks = self.folded_factors(factors).outside_masks(ranges)
+        return np.any([*masks.values()], axis=0)
 
     def validation(self, factors: Factors, force_n: ArrayLike) -> tuple[Array, Array, list[str]]:
         """Errors that hold 95 % and 99 % of new points, and why a point is not validated.
@@ -216,8 +264,8 @@ class FittedModel(BaseModel):
         Args:
             force_n: the model's forces at the points, shape (n,).
 
-        Returns both half widths in newtons, shape (n,), NaN where there is none, and notes that
-        are empty where there is.
+        Returns both half widths in newtons, shape (n,), NaN where there is none, and notes: why
+        there is none, or where the interval holds few points.
         """
         force, interval = np.asarray(force_n, dtype=float), self.prediction_interval
         error_95, error_99 = np.full((2, len(force)), np.nan)
@@ -225,15 +273,30 @@ class FittedModel(BaseModel):
             return error_95, error_99, [f"not validated: {NO_VALIDATION_SAMPLE_TEXT}"] * len(force)
         few = "" if interval.error_95 else "too few points of the sample have a force"
         notes = [
-            "; ".join(filter(None, (outside or few, "" if known else "undefined here")))
-            for outside, known in zip(
-                interval.range_notes(factors), np.isfinite(force), strict=True
+            "; ".join(filter(None, (outside or few, "" if known else undefined)))
+            for outside, undefined, known in zip(
+                interval.range_notes(factors),
+                self.undefined_texts(factors),
+                np.isfinite(force),
+                strict=True,
             )
         ]
         known = [not note for note in notes]
         error_95[known] = interval.error_n(force[known])
         error_99[known] = interval.error_n(force[known], level=0.99)
-        return error_95, error_99, [note and f"not validated: {note}" for note in notes]
+        texts = [
+            f"not validated: {note}" if note else coverage
+            for note, coverage in zip(notes, interval.coverage_notes(factors), strict=True)
+        ]
+        return error_95, error_99, texts
+
+    def undefined_texts(self, factors: Factors) -> list[str]:
+        """Reasons for which a model has no force: its table ends, or its formula has no value."""
+        texts = np.full(len(factors), "the formula has no value here", dtype=object)
+        if self.force_model.column_names and (table := self.limit_table):
+            for name, outside in reversed(table.outside_masks(factors).items()):
+                texts[outside] = f"the table of the expansion ends at {table.limits_text(name)}"
+        return list(texts)
 
     @property
     def statement(self) -> str:
@@ -293,19 +356,26 @@ def fit_from_values(values: Mapping[str, Any], *, source: Path | str) -> FittedM
 
 def amplitude_row(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
     """Amplitude, its errors and a note for one gap and position; NaN where there is none."""
-    point = fit.folded_factors(point)
+    (no_film,), point = fit.no_film_texts(point), fit.folded_factors(point)
     where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position_columns)}
     row: dict[str, object] = {
         "force_n": force_n,
         **dict.fromkeys(("hv_m", "hv_error_95_m"), np.nan),
         **fit.error_percent_columns(np.nan, force_n),
-        "validity": "",
+        "validity": no_film,
+        "note": "",
     }
+    if no_film:
+        return row
     fit.with_asymptotic_forces(point)  # an error names what is missing, if anything
     try:
         hv_m = amplitude_for_force(fit.evaluate, force_n=force_n, **where)
     except InputError as error:
-        return row | {"note": str(error).removeprefix("force_n: ")}
+        note = str(error).removeprefix("force_n: ")
+        rest_and_contact = Factors.of(**where, hv_m=[0.0, np.nextafter(where["h0_m"], 0.0)])
+        undefined = np.flatnonzero(~np.isfinite(fit.evaluate(rest_and_contact)))
+        reasons = [fit.undefined_texts(rest_and_contact)[at] for at in undefined[:1]]
+        return row | {"note": "; ".join([note, *reasons])}
     near = Factors.of(
         **where
         | {
@@ -365,6 +435,6 @@ def amplitude_for_force(
             return float(amplitude_ratio) * h0_m
     rest = f"; at rest it gives {values[0] + force_n:.3g} N" if known[0] else ""
     raise InputError(
-        f"force_n: the model gives {force_n:g} N at h0_m = {h0_m:g} m for no amplitude "
-        f"below contact (hv_m < h0_m){rest}"
+        f"force_n: the model gives {force_n:g} N at h0 = {1e6 * h0_m:g} µm for no amplitude "
+        f"below contact (hv < h0){rest}"
     )

@@ -8,7 +8,7 @@ the library's.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from math import inf
@@ -31,7 +31,13 @@ from squeezefilm.formulas import (
     parse_constants,
     parse_formula,
 )
-from squeezefilm.models.data import FACTOR_COLUMN_OF_NAME, PHYSICS_COLUMN_OF_NAME, Array, Factors
+from squeezefilm.models.data import (
+    FACTOR_COLUMN_OF_NAME,
+    PHYSICS_COLUMN_OF_NAME,
+    POSITION_COLUMNS,
+    Array,
+    Factors,
+)
 
 LIBRARY_FILE = Path(__file__).with_name("models.yaml")
 UNIT_OF_COLUMN_SUFFIX = {"m": "m", "deg": "deg", "n": "N"}
@@ -289,6 +295,23 @@ def check_models_of_study(study: Study) -> None:
             for name in named.names_of_space(space):
                 with prefix_errors(f"{path}: {section}.{space}"):
                     get_model(name, own, source=path)
+
+
+def model_notes(study: Study) -> Iterator[str]:
+    """Yield notes on models that no run would fit, and on those fitted to the centred pad alone
+    whose formula has the pad's position."""
+    named = {name for section in (study.comparison, study.refine) for name in section.all_names}
+    for name in study.models:
+        if name not in named:
+            yield f"models.{name} is not fitted: add it to a comparison"
+    for section, names in (("comparison", study.comparison), ("refine", study.refine)):
+        for name in names.names_of_space("two_factor"):
+            formula = get_model(name, study.models, source=study.path).parsed_expression
+            if any(FACTOR_COLUMN_OF_NAME.get(each) in POSITION_COLUMNS for each in formula.names):
+                yield (
+                    f"{section}.two_factor: {name} has the pad's position, which is 0 at all these "
+                    f"points: name it in {section}.four_factor"
+                )
 
 
 def check_columns_known(model: ExpressionModel, factors: Factors) -> None:

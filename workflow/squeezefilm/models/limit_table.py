@@ -12,8 +12,10 @@ from typing import Literal
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, FiniteFloat, model_validator
 
+from squeezefilm.columns import COLUMNS
 from squeezefilm.film.positions import find_position_columns
 from squeezefilm.models.data import RANGE_TOLERANCE, Array, Factors
 
@@ -62,10 +64,24 @@ class LimitTable(BaseModel):
             for name, flat in self.coefficients.items()
         }
 
+    def outside_masks(self, factors: Factors) -> dict[str, NDArray[np.bool_]]:
+        """Return masks of the points beyond the table, shape (n,), by its axes."""
+        values = {**factors.columns, "epsilon_square": factors.epsilon**2}
+        return Factors(values).outside_masks(self.axis_levels)
+
+    def limits_text(self, axis: str) -> str:
+        """Return the range of one of the table's axes, in words."""
+        low, high = self.ranges[axis]
+        if axis == "epsilon_square":
+            return f"hv/h0 = {high**0.5:.3g}"
+        column = COLUMNS[axis]
+        ends = " and ".join(f"{column.in_shown_unit(end):.4g}" for end in sorted({low, high}))
+        return f"{column.text_symbol} = {ends} {column.shown_unit}"
+
     def with_asymptotic_forces(self, factors: Factors) -> Factors:
         """The factors with the limits' columns; NaN outside the table."""
         values = {**factors.columns, "epsilon_square": factors.epsilon**2}
-        inside = ~np.any(list(Factors(values).outside_masks(self.axis_levels).values()), axis=0)
+        inside = ~np.any(list(self.outside_masks(factors).values()), axis=0)
         if "phi_deg" in self.axis_levels:  # every direction is the same at the centre
             at_centre = factors.phi_r_m <= RANGE_TOLERANCE * self.axis_levels["phi_r_m"][1]
             values["phi_deg"] = np.where(at_centre, self.axis_levels["phi_deg"][0], factors.phi_deg)

@@ -44,6 +44,8 @@ DEFAULT_SCALE_FRACTION = 0.1
 NORMAL_QUANTILES = {0.95: 1.959964, 0.99: 2.575829}
 """Levels of the interval, with the two-sided quantile of the normal distribution (for noise)."""
 NAMES_OF_THIRDS = ("low", "middle", "high")
+MIN_COVERAGE = 0.9
+"""Coverage of a region by the 95 % interval below which its points have a note."""
 
 
 class PredictionInterval(BaseModel):
@@ -57,7 +59,7 @@ class PredictionInterval(BaseModel):
         calibration_points: those that the half widths come from.
         mean_coverage: share of the other half inside the 95 % interval without the part of the
             profile, whose error models and simulations share.
-        coverage: the same by region (``factor_third_masks``).
+        coverage: the same by region (``factor_thirds``), with the ends of each third.
         profile_uncertainty: fraction of a force, uncertainty by a measured profile at 95 %; it is
             part of error_95 and error_99.
     """
@@ -128,6 +130,25 @@ class PredictionInterval(BaseModel):
                 notes[point] += (
                     f"; {column.text_symbol} = {value:.4g} {column.shown_unit} "
                     f"outside {low} … {high} {column.shown_unit}"
+                )
+        return [note.removeprefix("; ") for note in notes]
+
+    def coverage_notes(self, factors: Factors) -> list[str]:
+        """Regions of each point where the interval holds few points of the sample, else empty.
+
+        A file of a version that did not write the ends of the regions has no such notes.
+        """
+        notes = np.full(len(factors), "", dtype=object)
+        for region in self.coverage:
+            if region["coverage"] < MIN_COVERAGE and "upper" in region:
+                values = factors.column(region["quantity"])
+                low, high = region["lower"], region["upper"]
+                inside = (values >= (-np.inf if low is None else low)) & (
+                    values < (np.inf if high is None else high)
+                )
+                notes[inside] += (
+                    f"; the 95 % error holds {100 * region['coverage']:.3g} % of the sample in the "
+                    f"{region['third']} third of the {COLUMNS[region['quantity']].label}"
                 )
         return [note.removeprefix("; ") for note in notes]
 
@@ -267,25 +288,35 @@ def conformal_interval(
         calibration_points=int(np.sum(~ranking)),
         mean_coverage=float(inside[ranking].mean()),
         coverage=tuple(
-            {"quantity": name, "third": third, "coverage": float(inside[ranking][mask].mean())}
-            for name, third, mask in factor_third_masks(factors.take(ranking))
+            {
+                "quantity": name,
+                "third": third,
+                "lower": lower,
+                "upper": upper,
+                "coverage": float(inside[ranking][mask].mean()),
+            }
+            for name, third, (lower, upper), mask in factor_thirds(factors.take(ranking))
         ),
         profile_uncertainty=profile_uncertainty,
     )
 
 
-def factor_third_masks(factors: Factors) -> Iterator[tuple[str, str, NDArray[np.bool_]]]:
-    """Each quantity that varies with each of its thirds and a mask of its points, shape (n,).
+def factor_thirds(
+    factors: Factors,
+) -> Iterator[tuple[str, str, tuple[float | None, float | None], NDArray[np.bool_]]]:
+    """Each quantity that varies with each of its thirds: its ends and a mask of its points, (n,).
 
-    A quantity's range is cut at its terciles over the points, which fill the space evenly.
+    A quantity's range is cut at its terciles over the points, which fill the space evenly; the
+    outer ends are None.
     """
     for name in ("h0_m", "hv_m", "epsilon", *factors.position_columns):
         values = factors.column(name)
         if len(values) and np.ptp(values) > 0:
-            part = np.digitize(values, np.quantile(values, [1 / 3, 2 / 3]))
-            yield from (
-                (name, third, part == k) for k, third in enumerate(NAMES_OF_THIRDS) if k in part
-            )
+            terciles = np.quantile(values, [1 / 3, 2 / 3])
+            part, ends = np.digitize(values, terciles), [None, *terciles.tolist(), None]
+            for k, third in enumerate(NAMES_OF_THIRDS):
+                if k in part:
+                    yield name, third, (ends[k], ends[k + 1]), part == k
 
 
 def error_by_region_text(factors: Factors, error_n: ArrayLike) -> str:
@@ -299,7 +330,7 @@ def error_by_region_text(factors: Factors, error_n: ArrayLike) -> str:
     if not squares.sum() > 0:
         raise InputError("error by region: no error is known, or all are zero")
     worst: dict[str, tuple[float, str]] = {}
-    for name, third, inside in factor_third_masks(factors):
+    for name, third, _, inside in factor_thirds(factors):
         fraction = float(squares[inside].sum() / squares.sum())
         if fraction > worst.get(name, (0.0, ""))[0]:
             worst[name] = fraction, f"{third} third of the {COLUMNS[name].label}"

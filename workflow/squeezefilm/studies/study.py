@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def film_values(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[str, Any]:
-    """The study's film as far as limits of validity go, for a fit's file.
+    """The study's film as far as limits of validity and the pad's room go, for a fit's file.
 
     Args:
         absent_terms: of the simulations, a text each; a term that is ``auto`` is included where
@@ -40,7 +40,13 @@ def film_values(config: FilmSections, *, absent_terms: Iterable[str]) -> dict[st
     return {
         "gas": gas,
         "frequency_hz": config.actuator.frequency_hz,
-        "pad": {"length_x_m": pad.length_x_m, "length_y_m": pad.length_y_m, "gap": asdict(pad.gap)},
+        "surface": asdict(config.actuator.surface),
+        "pad": {
+            "length_x_m": pad.length_x_m,
+            "length_y_m": pad.length_y_m,
+            "gap": asdict(pad.gap),
+            "edge_points_m": pad.edge_points_m().tolist(),
+        },
     }
 
 

@@ -188,7 +188,16 @@ def check_page(results: Results, *, reference: str) -> Page:
 
 def check_table(results: Results, reference: Path) -> pd.DataFrame:
     """Return ``compare_quantities`` of a study's quantities and those of the reference in a
-    folder."""
+    folder, which has the study's name.
+
+    Raises InputError for the reference of another study.
+    """
+    study, name = results.config.study, reference.absolute().name
+    if name != study:
+        raise InputError(
+            f"{reference}: is the reference of the study {name}, and {results.folder} has results "
+            f"of {study}; `make reference STUDIES={study}` makes one"
+        )
     return compare_quantities(study_quantities(results, reference), read_reference(reference))
 
 

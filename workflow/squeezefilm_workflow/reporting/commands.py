@@ -143,17 +143,17 @@ def recommend(options: argparse.Namespace) -> None:
       squeezefilm recommend results/plate --output TABLE.csv
 
     Recommended is the model with the fewest parameters of those whose global error,
-    `validation_error`, is within 5 % of the least on the half of the validation sample that ranks;
-    its page, models/*.html, has its largest error there.
-    `worst_error` is the largest at any of the `simulations`, fitted or not: those of the validation
-    samples and of the plan `four_factor`, which has the positions.
+    `validation_error_percent`, is within 5 % of the least on the half of the validation sample that
+    ranks; its page, models/*.html, has its largest error there. `worst_error_percent` is the
+    largest at any of the `simulations`, fitted or not: those of the validation samples and of the
+    plan `four_factor`, which has the positions.
 
     The amplitude gives the study's target force at its gap (section `extrapolation`), its errors
     are those of `squeezefilm amplitude-for`. The study's candidates must be compared (`snakemake
     models`). The screen shows those of the plan's positions with the least and the largest
-    amplitude; between them it may be larger. Errors are in per cent; the fit's file is for
-    `squeezefilm amplitude-for`. --output has all positions, and errors as fractions. The exit
-    status is 1 where no amplitude below contact gives the target force.
+    amplitude; between them it may be larger. --output has all positions, and the two errors as
+    fractions, `validation_error` and `worst_error`. The fit's file is for `squeezefilm
+    amplitude-for`. The exit status is 1 where no amplitude below contact gives the target force.
     """
     from squeezefilm_workflow.reporting.models import (
         missing_amplitude_text,

@@ -27,7 +27,7 @@ from squeezefilm.models.prediction_interval import (
 )
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
 from squeezefilm.units import error_text
-from squeezefilm_workflow.reporting.notes import TEXT_OF_REFINE_VERDICT, percent_text
+from squeezefilm_workflow.reporting.notes import percent_text
 from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
 
@@ -260,7 +260,7 @@ def _recommendation_rows(
     results: Results, space: str, forces: dict[str, pd.DataFrame]
 ) -> Iterator[dict[str, Any]]:
     """A space's model at its positions; nothing where none can be validated."""
-    names = ("model", "parameters", "validation_points", "validation_error")
+    names = ("model", "parameters", "fit_points", "validation_points", "validation_error")
     table = results.table(f"models/{space}.csv", *names)
     judged = ranked_models(table)
     if judged.empty:
@@ -315,7 +315,7 @@ def refine_page(results: Results, *, space: str) -> Page:
         profile_uncertainty = max(profile_uncertainty, fit.profile_uncertainty)
         rows.append(_refinement_row(results.folder / folder, verdict, fit, factors, force_n))
         reasons[verdict["model"]] = (
-            TEXT_OF_REFINE_VERDICT[verdict["verdict"]],
+            verdict["verdict"],
             f"{verdict['reason']}. {verdict['error_by_region_text']} "
             f"(by {verdict['errors_mapped_by']}).",
         )
@@ -325,9 +325,7 @@ def refine_page(results: Results, *, space: str) -> Page:
         "points": len(force_n),
         "reasons": reasons,
         "profile_uncertainty": profile_uncertainty,
-        "shown": readable_table(
-            refined.assign(verdict=refined["verdict"].map(TEXT_OF_REFINE_VERDICT))
-        ),
+        "shown": readable_table(refined),
     }
     return Page(values, {"table": table})
 

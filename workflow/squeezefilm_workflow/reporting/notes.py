@@ -9,13 +9,6 @@ from squeezefilm import units
 from squeezefilm.config.study import Study
 from squeezefilm.film.validity import VALIDITY_LIMITS, ValidityLimit
 
-TEXT_OF_REFINE_VERDICT = {
-    "reached": "targets met",
-    "model": "limited by the model",
-    "simulation": "limited by the simulations",
-    "budget": "out of simulations",
-}
-"""How the refinement of a model ended, where the model was refined."""
 CLAIM_COLUMNS_SHOWN = ("claim", "verdict", "paper", "ours", "unit")
 """Columns of claims in a summary; ``kind`` is a column of the table too."""
 

@@ -240,13 +240,16 @@ def _recommended_model_rows(results: Results) -> Iterator[dict[str, str]]:
     """Yield the errors of the recommended models, none of which the paper's study has."""
     if results.config.paper:
         return
-    table = results.table("models/recommended.csv", "model", "validation_error", "worst_error")
+    table = results.table("models/recommended.csv", "fit_points", "worst_error")
     for _, best in table.dropna(subset="model").drop_duplicates("space")[::-1].iterrows():
+        space, model = best["space"], best["model"]
+        plan = "screen" if space == "two_factor" else space
         yield {
-            "model fitted on": f"recommended: {best['model']} on {best['space']}",
-            "validated on": f"validation sample ({best['validation_points']:g} points)",
+            "model fitted on": f"{plan} ({best['fit_points']:g} points), recommended: {model}",
+            "validated on": f"validation_{space} ({best['validation_points']:g} points)",
             "global error": percent_text(best["validation_error"]),
-            "worst": f"{percent_text(best['worst_error'])} ({best['simulations']:g} points)",
+            "worst": f"{percent_text(best['worst_error'])} (validation_two_factor, "
+            f"validation_four_factor, four_factor: {best['simulations']:g} points)",
             "within the band": "–",
         }
 

@@ -107,7 +107,7 @@ def _fit_for_explorer(name: str, fit: FittedModel, plan: str, *, best: bool) -> 
         "name": name,
         "label": f"{fit.model.replace('_factor', ' factors')}, "
         + (f"{fit.points} {kind}" if fit.theta else "nothing fitted")
-        + ", best" * best,
+        + ", recommended" * best,
         "plan": plan,
         "factors": list(model.factor_names),
         "moves": not model.is_for_centred_pad,

@@ -140,17 +140,17 @@ def vibration(results: Results) -> Figure:
     levels = np.linspace(-1 if signed_profile else 0, 1, 21)
     filled = axes.contourf(1e3 * x_m, 1e3 * y_m, s, levels=levels, cmap=cmap)
     if signed_profile:
-        axes.contour(1e3 * x_m, 1e3 * y_m, s, levels=[0], colors="black", linewidths=0.7)
+        axes.contour(1e3 * x_m, 1e3 * y_m, s, levels=[0], colors="0.35", linewidths=0.5)
     outside = surface.relative_distance(x_m, y_m)
     axes.contourf(1e3 * x_m, 1e3 * y_m, outside, levels=(1, 2), colors="white")
     edge_mm = 1e3 * pad.edge_points_m()
-    axes.fill(*edge_mm.T, fill=False, edgecolor="black", label="pad, centred")
+    axes.fill(*edge_mm.T, fill=False, edgecolor="black", linewidth=1.8, label="pad, centred")
     axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
     label = "amplitude over its maximum (–)"
     figure.colorbar(filled, ax=axes, shrink=0.8, pad=0.02, label=label)
     figure.legend(loc="outside upper center")
     note = "Colours: interpolated linearly between computed points."
-    sign = " Negative: opposite phase; thin line: no vibration." if signed_profile else ""
+    sign = " Negative: opposite phase; thin grey line: no vibration." if signed_profile else ""
     style.add_note(figure, f"Surface: {surface.text}.{sign}", note, results.validity_note)
     return figure
 

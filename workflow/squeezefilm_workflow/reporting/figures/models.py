@@ -14,7 +14,6 @@ from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import ERROR_MAP_COLUMNS, REFINEMENT_ROUND_COLUMNS
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import (
-    TEXT_OF_REFINE_VERDICT,
     percent_text,
     simulation_error_note,
 )
@@ -181,7 +180,7 @@ def refinement_figure(results: Results, space: str) -> Figure:
         verdict = results.read_json_file(f"{folder}/verdict.json")
         rounds = results.table(f"{folder}/rounds.csv", *REFINEMENT_ROUND_COLUMNS)
         _draw_refinement_rounds(row[0], rounds, required=verdict["required"], truth=model)
-        row[0].set_title(f"{model['model']}: {TEXT_OF_REFINE_VERDICT[model['verdict']]}")
+        row[0].set_title(f"{model['model']}: {model['verdict']}")
         sample = style.layer_rows(
             results.table(f"{folder}/where.csv", *ERROR_MAP_COLUMNS), "sample"
         )

@@ -42,6 +42,8 @@ def overview(results: Results) -> Figure:
         "Validate": f"{errors['points']:.0f} simulations, largest\nerror "
         f"{percent_text(abs(errors['worst_relative_error']))}",
     }
+    has_line = abs(errors["worst_relative_error"]) > errors["band"]
+    band_line = f"; thick line: ±{100 * errors['band']:g} %" if has_line else ""
     figure = style.new_figure(height_in=5.0)
     figure.set_layout_engine("none")
     pressure = bool(film["gauge_pressure_kpa"].notna().all())
@@ -49,8 +51,8 @@ def overview(results: Results) -> Figure:
     note = (
         f"1: {'pressure and gap' if pressure else 'gap'} at {point}; red: surface up, blue: down"
         f"{', black: mean pressure' * pressure}. 2: model (mesh) fitted to the screen (dots). "
-        "3: screen (white), D-optimal points (black). 4: error of the model fitted to the black "
-        f"points, interpolated linearly; thick line, if any: ±{100 * errors['band']:g} %."
+        "3: screen (rings), D-optimal points (black). 4: error of the model fitted to the black "
+        f"points, interpolated linearly{band_line}."
     )
     below = style.add_note(figure, note, results.validity_note)
     row_height = (1 - below) / 2
