@@ -82,7 +82,7 @@ class Campaign:
 
 
 ALL_TERMS_CAMPAIGN = Campaign()
-INERTIA_CAMPAIGN = Campaign(with_inertia=True, direct_tolerance_ratio=0.1, max_unknowns=60_000)
+INERTIA_CAMPAIGN = Campaign(with_inertia=True, direct_tolerance_ratio=0.1, max_unknowns=30_000)
 
 
 @command(
@@ -103,7 +103,7 @@ def estimates(options: argparse.Namespace) -> None:
     on grids of at most 20 000 unknowns. The direct solution has a hundredth of the tolerance or
     less. The error is the distance of both, the estimate that of both.
     With --with-inertia films have a smooth mode shape, σ to 10⁴ and Re to 20, tolerances to 1e-6,
-    60 000 unknowns, and direct solutions of a tenth of the tolerance.
+    30 000 unknowns, and direct solutions of a tenth of the tolerance.
     The tables grow film by film, and a run that was stopped goes on. The exit status is 1 where an
     error is larger than its estimate.
     """
