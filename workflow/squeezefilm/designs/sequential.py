@@ -51,6 +51,7 @@ from squeezefilm.models.fitting import (
     sum_of_squares,
 )
 from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.units import error_text
 
 PointSimulator = Callable[[Indices], tuple[Array, Array]]
 """From points of the pool to their forces and the errors of these, in newtons."""
@@ -289,8 +290,8 @@ class SequentialDesign:
         )
         if below and (last.number > 1 or parameters == 0):
             return "reached", (
-                f"global error {last.global_error:.2g}, below {last.global_upper:.2g} with 95 %; "
-                f"worst error {last.worst_error:.2g}"
+                f"global error {last.global_error:.2g}, below {error_text(last.global_upper)} "
+                f"with 95 %; worst error {last.worst_error:.2g}"
             )
         numerical = last.floor <= MAX_RESIDUAL_ERROR_RATIO * last.simulation_error
         what = "simulation" if numerical else "model"
@@ -311,7 +312,7 @@ class SequentialDesign:
         if last.simulations + settings.batch > settings.simulations:
             return "budget", (
                 f"{last.simulations} of {settings.simulations} simulations are done; global "
-                f"error {last.global_error:.2g} to {last.global_upper:.2g}, worst error "
+                f"error {last.global_error:.2g} to {error_text(last.global_upper)}, worst error "
                 f"{last.worst_error:.2g}"
             )
         return "", ""
