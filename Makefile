@@ -38,7 +38,7 @@ help:
 	@echo "make paper    every simulation, fit, design, table and figure of the paper"
 	@echo "make paper-inertia  the same with a gas that has inertia, and the two side by side"
 	@echo "make quick    the same rules on a small study, in two to four minutes"
-	@echo "make check    everything anew where it is not, and every number beside its reference"
+	@echo "make check    everything anew where it is not, and results beside their reference"
 	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
 	@echo "make benchmarks  where run time goes on this machine; nothing else should run"
 	@echo "make test     the tests"

@@ -83,6 +83,15 @@ def test_what_differs_is_seen_in_its_column_alone(force_n, seen):
     assert len(quantities(FORCES)[1].cell_texts) == MAX_SAMPLED_ROWS
 
 
+def test_a_text_is_seen_in_a_row_that_no_reference_keeps():
+    table = FORCES.assign(validity="ok")
+    stored_table = stored(quantities(table))
+    for row in range(len(table)):
+        changed = table.assign(validity=table["validity"].where(table.index != row, "outside"))
+        rows = compare_quantities(quantities(changed), stored_table)
+        assert rows.loc[rows["verdict"] != PASSED, "quantity"].tolist() == ["validity"], row
+
+
 @pytest.mark.parametrize(("plan", "points"), [("screen", 60), ("four_factor", 65)])
 def test_every_force_that_a_study_fits_is_compared(plan, points, repository):
     """A force between the sampled rows could be in error by fifteen tolerances."""

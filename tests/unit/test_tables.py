@@ -221,8 +221,7 @@ def test_a_column_has_one_meaning_and_the_unit_of_its_name(tmp_path, repository)
     write_table(table, tmp_path / "table.csv", given=["guess_n"])
 
 
-def test_a_table_that_cannot_be_written_is_refused_before_anything_is_solved(tmp_path, capsys):
+def test_a_table_that_cannot_be_written_is_refused_before_anything_is_solved(tmp_path, refused):
     (tmp_path / "file").touch()
-    point = ["simulate", "--h0=5um", "--hv=1um"]
-    assert main([*point, f"--output={tmp_path}/file/forces.csv"]) == 2
-    assert f"{tmp_path}/file is no folder" in capsys.readouterr().err
+    output = f"--output={tmp_path}/file/forces.csv"
+    assert f"{tmp_path}/file is no folder" in refused("simulate", "--h0=5um", "--hv=1um", output)

@@ -56,6 +56,16 @@ def test_a_figure_is_whole_legible_as_wide_as_a_journal_s_and_has_units(name, st
     assert any(UNITS.get(name, "(µm)") in axes.get_ylabel() for axes in figure.axes)
 
 
+def test_a_caption_names_the_last_panel_of_its_figure(study, repository):
+    """Of the effects' it was (f), and the figure had a seventh."""
+    for name in ("error_budget", "levitation", "response", "fig16"):
+        titles = " ".join(axes.get_title() for axes in drawn(name, study.results).axes)
+        caption = (repository / f"workflow/report/captions/{name}.rst").read_text(encoding="utf-8")
+        # Of a range, (a–e), both ends are named.
+        named = re.findall(r"\((?:\w–)?(\w)\)", caption)
+        assert max(named) == max(re.findall(r"\((\w)\)", titles)), name
+
+
 def test_figure_14_has_a_panel_of_each_fit_with_its_own_errors(study):
     figure = drawn("fig14", study.results)
     for axes, fit in zip(figure.axes, ("two_factor_design", "screen"), strict=True):

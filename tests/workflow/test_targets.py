@@ -187,4 +187,4 @@ def test_a_compared_file_that_was_deleted_is_made_again_by_the_check(repository,
     (folder / "results/quick/simulations/screen/forces.csv").unlink()
     told = snakemake(folder, "check", *QUICK, "--dry-run").stdout
     assert "Simulate screen" in told
-    assert "Every number beside its reference" in told
+    assert "Results beside the stored reference" in told

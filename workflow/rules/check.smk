@@ -21,7 +21,7 @@ rule compare_with_reference:
         page=listed(
             "report/check.html",
             CATEGORY["Check"],
-            page="Every number beside the stored reference",
+            page="Results beside the stored reference",
             caption="check",
         ),
     log:
@@ -35,7 +35,7 @@ rule compare_with_reference:
         page="check",
         about=lambda wildcards: {"reference": in_folder(REFERENCE)},
     message:
-        "Every number beside its reference"
+        "Results beside the stored reference"
     script:
         "../scripts/page.py"
 
@@ -54,7 +54,7 @@ rule verdict:
     conda:
         "../../envs/workflow.yaml"
     message:
-        "Is everything as in the reference?"
+        "Is all that is compared as in the reference?"
     shell:
         "cp {input.text:q} {log:q} && grep -q '^All .* passed' {input.text:q} && cp {input.text:q} {output:q}"
 
@@ -71,6 +71,6 @@ rule check:
     conda:
         "../../envs/workflow.yaml"
     message:
-        "Everything is as in the reference"
+        "All that is compared is as in the reference"
     shell:
         "tee {log:q} <{input.passed:q}"

@@ -124,17 +124,18 @@ def percent_text(*values: float, sign: str = "+", digits: int = 2) -> str:
     return f"{' to '.join(dict.fromkeys(ends))} %"
 
 
-def interval_text(lower: float, upper: float) -> str:
-    """Return the ends of an interval, rounded outward to two digits of the larger one."""
+def interval_text(lower: float, upper: float, *, sign: str = "+", digits: int = 2) -> str:
+    """Return the ends of an interval, rounded outward to some digits of the larger one."""
     largest = max(abs(lower), abs(upper))
     if not isfinite(largest) or largest == 0:
-        return " to ".join(number_text(end) for end in (lower, upper))
-    exponent = floor(log10(largest)) - 1
+        return " to ".join(number_text(end, sign=sign) for end in (lower, upper))
+    exponent = floor(log10(largest)) + 1 - digits
     # What rounding added to an end that lies on a step already is no reason for the next one.
     steps = floor(lower / 10**exponent + 1e-6), ceil(upper / 10**exponent - 1e-6)
     if largest < MIN_VALUE_WITHOUT_EXPONENT:
-        return " to ".join(number_text(float(step) * 10**exponent) for step in steps)
-    return " to ".join(f"{step * 10**exponent:+.{max(-exponent, 0)}f}" for step in steps)
+        shown = {"sign": sign, "digits": digits}
+        return " to ".join(number_text(float(step) * 10**exponent, **shown) for step in steps)
+    return " to ".join(f"{step * 10**exponent:{sign}.{max(-exponent, 0)}f}" for step in steps)
 
 
 def value_text(value: Any, unit: str = "", *, error: float | None = None, digits: int = 3) -> str:

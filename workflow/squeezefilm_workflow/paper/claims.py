@@ -18,10 +18,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.formatting import interval_text
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.tables import read_timings
-from squeezefilm_workflow.reporting.results import Results
+from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
 
 CLAIM_COLUMNS = ("claim_id", "kind", "claim", "paper", "ours", "unit", "verdict", "explanation")
 CLAIMS = pd.read_csv(
@@ -199,8 +200,11 @@ def _operating_point_values(results: Results) -> ClaimValues:
             for name in ("inertia", "slip", "thermal")
             if name not in present
         ),
-        "low": point["force_n"] * (1 + budget["modelling_error_lower_percent"] / 100),
-        "high": point["force_n"] * (1 + budget["modelling_error_upper_percent"] / 100),
+        "interval": interval_text(
+            *point["force_n"] * (1 + budget[MODELLING_ERROR_COLUMNS].astype(float) / 100),
+            sign="",
+            digits=3,
+        ),
         "amplitude": wanted["hv_um"],
     }
 

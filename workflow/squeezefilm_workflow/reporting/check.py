@@ -23,9 +23,8 @@ from matplotlib.testing.compare import compare_images
 from matplotlib.testing.exceptions import ImageComparisonFailure
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.positions import find_position_columns
+from squeezefilm.files import write_text
 from squeezefilm.models.data import factors_of_table
-from squeezefilm.tables import write_table
 from squeezefilm_workflow.reporting.figures.style import PLAIN_PICTURE_SUFFIX
 from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
@@ -35,7 +34,8 @@ CHECK_COLUMNS = (
     *("part", "item", "quantity", "expected", "got", "tolerance", "verdict", "worst"),
     "of_tolerance",
 )
-REFERENCE_COLUMNS = ("item", "quantity", "cell", "value")
+REFERENCE_INDEX = ("item", "cell")
+"""Columns of a reference; the others are its quantities."""
 MAX_CELL_CHARACTERS = 40
 """Characters of a cell on the screen; all of it is in the table."""
 PICTURES_PART_NAME, PICTURES_FOLDER = "pictures", "check/figures"
@@ -69,30 +69,31 @@ FIT_OF_DESIGN = {
     "four_factor": "four_factor",
     "four_factor_distinct": "four_factor",
 }
-BUDGET_COLUMNS_PATTERN = "(inertia|slip|thermal|edge_loss|edge_flow|modelling_error.*)_percent"
-COLUMNS_PATTERN_OF_RESULT = {
-    "simulations/screen/error_budget": f"h0_m|hv_m|{BUDGET_COLUMNS_PATTERN}",
-    "simulations/four_factor/error_budget": BUDGET_COLUMNS_PATTERN,
-    "simulations/screen/response": "h0_m|hv_m|corner_hz|instantaneous_fraction|error",
-    "simulations/screen/gains": "h0_m|hv_m|frequency_hz|gain|phase_deg",
-    "simulations/screen/levitation": "load_n|hv_m|h0_m|stiffness_n_per_m|modified_reynolds",
-    "simulations/extrapolation/film": "phase_deg|x_mm|surface_um|pad_um|gauge_pressure_kpa",
-    "validation/two_factor_design_on_error_map": "h0_m|hv_m|relative_error",
-    "tables/uncertainty": "assumption|force_(lower|upper)_n|ours_n|verdict",
+TABLE_PATTERNS_OF_PART = {
+    "figure data": ("figures/fig*",),
+    "results": (
+        *("simulations/*/error_budget", "simulations/*/response", "simulations/*/gains"),
+        *("simulations/*/levitation", "simulations/*/film", "validation/*"),
+    ),
+    "tables": ("tables/*",),
 }
-"""Tables that the study's figures are drawn from, and their columns that are compared."""
-FIXED_PLANS_PATTERN = "(screen|error_map|four_factor_control)"
+"""Tables that the study's figures and pages are made from, all of whose columns are compared."""
+COLUMNS_NOT_COMPARED = ("nx", "ny", "nt", "newton_steps", "krylov_iterations", "residual")
+"""The way to a force, which depends on how the device rounds."""
+POSITION_PATTERN = "(h0_m|hv_m|phi_r_m|phi_deg|x_m|y_m)"
+FIXED_PLANS_PATTERN = r"(\w+_on_)?(screen|error_map|four_factor_control)(/\w+)?"
 TOLERANCE_KIND_OF_QUANTITY = {
-    rf"{FIXED_PLANS_PATTERN} force_n": "force",
-    rf"{FIXED_PLANS_PATTERN} (h0_m|hv_m|phi_r_m|phi_deg|x_m|y_m)": "given",
-    r"\w+ (phi_r_m|phi_deg|x_m|y_m)|[a-z]\w+ (h0_m|hv_m)": "place",
+    r"(screen|error_map|four_factor_control) force_n": "force",
     r".*/levitation h0_m": "force",
-    r".* (h0_m|hv_m|minimum|maximum)": "given",
+    rf"(simulations/|validation/)?{FIXED_PLANS_PATTERN} {POSITION_PATTERN}": "given",
+    rf"[a-z].* {POSITION_PATTERN}": "place",
+    r".* (minimum|maximum)": "given",
     r"fig1[01236] (epsilon|h0_um|hv_um|phi_r_mm|phi_deg)": "place",
     r"fig.. (epsilon|\w+_(um|mm|deg)|amplitude_ratio|points|band_percent)": "given",
     r".* force_n": "model",
     r".* relative_error(_all)?(_percent)?": "relative error",
-    r".* value": "parameters",
+    r".* (value|model_n)": "parameters",
+    r".* (?!.*modelling)\w+_error(_\w+)?": "error",
 }
 """How close a column of numbers is, by its table and name; the first that fits, else derived."""
 
@@ -245,11 +246,13 @@ def read_reference(folder: Path) -> ReferenceCells:
             table = pd.read_csv(path, dtype=str, keep_default_na=False)
         except ValueError as error:
             raise InputError(f"{path}: {error}") from error
-        if tuple(table) != REFERENCE_COLUMNS or not table["cell"].all():
-            raise InputError(f"{path}: each line has {', '.join(REFERENCE_COLUMNS)}")
-        part = path.stem.replace("_", " ")
-        for item, quantity, cell, value in table.itertuples(index=False, name=None):
-            reference.setdefault((part, item, quantity), {})[cell] = value
+        if tuple(table)[:2] != REFERENCE_INDEX or not table["cell"].all():
+            raise InputError(f"{path}: each line has {', '.join(REFERENCE_INDEX)} and values")
+        part, columns = path.stem.replace("_", " "), table.columns[2:]
+        for item, cell, *values in table.itertuples(index=False, name=None):
+            for quantity, value in zip(columns, values, strict=True):
+                if value:
+                    reference.setdefault((part, item, quantity), {})[cell] = value
     return reference | picture_reference(folder)
 
 
@@ -266,9 +269,11 @@ def write_reference(quantities: Iterable[CheckedQuantity], results: Path, folder
     ]
     for path in (*folder.glob("*.csv"), *folder.glob(f"*{PLAIN_PICTURE_SUFFIX}")):
         path.unlink()
-    table = pd.DataFrame(rows, columns=["part", *REFERENCE_COLUMNS])
+    table = pd.DataFrame(rows, columns=["part", "item", "quantity", "cell", "value"])
     for part, cells in table.groupby("part"):
-        write_table(cells.drop(columns="part"), folder / f"{str(part).replace(' ', '_')}.csv")
+        cells = cells.set_index([*REFERENCE_INDEX, "quantity"])["value"].unstack(sort=False)
+        file = folder / f"{str(part).replace(' ', '_')}.csv"
+        write_text(cells.reset_index().to_csv(index=False), file)
     for _, name, _ in picture_reference(results / PICTURES_FOLDER):
         shutil.copy(results / PICTURES_FOLDER / f"{name}{PLAIN_PICTURE_SUFFIX}", folder)
 
@@ -321,7 +326,7 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
             "makes it alone); where the change is intended, "
             f"`make reference STUDIES={study}` makes a new reference."
         )
-    return f"All {len(table)} quantities passed."
+    return f"All {len(table)} quantities that are compared passed."
 
 
 def terminal_text(table: pd.DataFrame, folder: Path) -> str:
@@ -374,6 +379,8 @@ def tolerance_by_kind(solver: float) -> dict[str, CellTolerance]:
         ),
         # As a text shows it: where the digits shown are more than are known, those.
         "shown": CellTolerance(relative=20 * solver, last_digit_units=1),
+        # Estimated from small differences, whose digits depend on how the device rounds.
+        "error": CellTolerance(relative=0.5, fraction_of_largest=0.05),
         # A plan's smallest forces are hundreds of times smaller than the largest.
         "relative error": CellTolerance(fraction_of_largest=min(0.05, 1e4 * solver)),
     }
@@ -394,20 +401,21 @@ def study_quantities(results: Results, reference: Path) -> list[CheckedQuantity]
     def file_stems_matching(pattern: str) -> list[str]:
         return sorted(path.stem for path in folder.glob(pattern))
 
+    def items_matching(part: str, pattern: str) -> list[str]:
+        before, _, after = FILE_TEMPLATE_OF_PART[part].partition("{}")
+        files = sorted(path.relative_to(folder) for path in folder.glob(f"{pattern}.csv"))
+        return [file.as_posix().removeprefix(before).removesuffix(after) for file in files]
+
     closeness = tolerance_by_kind(float(config.solver.tolerance))
     plans = sorted(path.parent.name for path in folder.glob("simulations/*/forces.csv"))
     items = [
         *(
-            ("figure data", name, _table_quantities)
-            for name in file_stems_matching("figures/fig*.csv")
-            if name != UNREPRODUCIBLE_FIGURE
+            (part, item, _table_quantities)
+            for part, patterns in TABLE_PATTERNS_OF_PART.items()
+            for pattern in patterns
+            for item in items_matching(part, pattern)
+            if item != UNREPRODUCIBLE_FIGURE
         ),
-        *(
-            ("results", name, _table_quantities)
-            for name in COLUMNS_PATTERN_OF_RESULT
-            if results.has_file(f"{name}.csv")
-        ),
-        *(("tables", name, _table_quantities) for name in file_stems_matching("tables/table*.csv")),
         *(("claims", name, _claim_quantities) for name in file_stems_matching("claims.csv")),
         *(
             ("simulations", plan, _simulation_quantities)
@@ -440,8 +448,8 @@ def column_quantities(
     TOLERANCE_KIND_OF_QUANTITY.
 
     Of a longer table, MAX_SAMPLED_ROWS rows evenly spaced are kept, and of its columns of numbers
-    the least, the mean and the largest value; but of a plan's forces, up to MAX_FORCES_ALL_KEPT of
-    them, every one.
+    the least, the mean and the largest value, of texts how often each occurs; but of a plan's
+    forces, up to MAX_FORCES_ALL_KEPT of them, every one.
     """
     yield CheckedQuantity(part, item, "rows", {"rows": str(len(table))})
     for name in map(str, table):
@@ -455,15 +463,25 @@ def column_quantities(
         every = (part, name) == ("simulations", "force_n") and len(table) <= MAX_FORCES_ALL_KEPT
         rows = len(table) if every else MAX_SAMPLED_ROWS
         cells = _sampled_cell_texts(column, rows)
-        if kind and len(table) > rows:
-            extremes = column.agg(["min", "mean", "max"]).set_axis(["least", "mean", "largest"])
-            cells |= {str(name): cell_text(value) for name, value in extremes.items()}
+        if len(table) > rows:
+            cells |= _summary_cell_texts(column)
         yield CheckedQuantity(part, item, name, cells, closeness[kind] if kind else ZERO_TOLERANCE)
 
 
 def _sampled_cell_texts(column: pd.Series, rows: int = MAX_SAMPLED_ROWS) -> dict[str, str]:
     kept = sorted({round(row) for row in np.linspace(0, len(column) - 1, rows)})
     return {f"row {row + 1}": cell_text(column.iloc[row]) for row in kept}
+
+
+def _summary_cell_texts(column: pd.Series) -> dict[str, str]:
+    """Return extremes and mean of numbers, or how often each text occurs, unless all differ."""
+    if pd.api.types.is_float_dtype(column):
+        extremes = column.agg(["min", "mean", "max"]).set_axis(["least", "mean", "largest"])
+        return {str(name): cell_text(value) for name, value in extremes.items()}
+    counts = column.astype(str).value_counts(sort=False)
+    if len(counts) > MAX_SAMPLED_ROWS:
+        return {}
+    return {f"number of {text}": str(count) for text, count in counts.items()}
 
 
 CheckedQuantities = Iterator[CheckedQuantity]
@@ -473,13 +491,9 @@ ToleranceOfKind = Mapping[str, CellTolerance]
 def _table_quantities(
     results: Results, closeness: ToleranceOfKind, part: str, item: str
 ) -> CheckedQuantities:
-    """A table of the paper, or one that a figure draws."""
-    folder = {"figure data": "figures/", "tables": "tables/"}.get(part, "")
-    table = results.table(f"{folder}{item}.csv")
-    chosen = [
-        name for name in table if re.fullmatch(COLUMNS_PATTERN_OF_RESULT.get(item, ".*"), str(name))
-    ]
-    return column_quantities(table[chosen], closeness, part, item)
+    """All columns of a table."""
+    table = results.table(FILE_TEMPLATE_OF_PART[part].format(item))
+    return column_quantities(table, closeness, part, item)
 
 
 def _claim_quantities(
@@ -499,10 +513,10 @@ def _claim_quantities(
 def _simulation_quantities(
     results: Results, closeness: ToleranceOfKind, part: str, item: str
 ) -> CheckedQuantities:
-    """The points of a plan, their forces, and whether error estimates keep the tolerance."""
+    """The forces of a plan, and whether error estimates keep the tolerance."""
     forces = results.forces(item)
-    shown = forces[["point_id", "h0_m", "hv_m", *find_position_columns(forces), "force_n"]]
-    yield from column_quantities(shown, closeness, part, item)
+    compared = forces.drop(columns=list(COLUMNS_NOT_COMPARED))
+    yield from column_quantities(compared, closeness, part, item)
     largest = (forces["force_error_n"] / forces["force_n"].abs()).max()
     kept = {"of all points": str(largest <= results.config.solver.tolerance)}
     yield CheckedQuantity(part, item, "estimated errors within the tolerance", kept)

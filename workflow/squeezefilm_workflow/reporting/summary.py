@@ -26,10 +26,7 @@ from squeezefilm_workflow.reporting.notes import (
 from squeezefilm_workflow.reporting.pages import Page, html_of_markdown, render_template
 from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
 
-EFFECT_COLUMN_STEMS = (
-    *("inertia", "slip", "thermal", "edge_loss", "edge_flow"),
-    *("modelling_error_lower", "modelling_error_upper"),
-)
+EFFECT_COLUMN_STEMS = ("inertia", "slip", "thermal", "edge_loss", "edge_flow")
 NEGLIGIBLE_FRACTION = 1e-3
 """Share of a range's largest value below which its least is as good as 0."""
 
@@ -177,10 +174,15 @@ def modelling_error_text(results: Results) -> str:
     lower, upper = MODELLING_ERROR_COLUMNS
     bounds = table.groupby("h0_m").agg({lower: "min", upper: "max"}).iloc[[0, -1]]
     texts = [
-        f"{interval_text(low, high).replace(' to ', '…')} % (h0 = {1e6 * h0_m:g} µm)"
+        f"{_bounds_text(low, high)} % (h0 = {1e6 * h0_m:g} µm)"
         for h0_m, low, high in bounds.itertuples()
     ]
-    return " to ".join(dict.fromkeys(texts)).replace("-", "−")
+    return " to ".join(dict.fromkeys(texts))
+
+
+def _bounds_text(lower: float, upper: float) -> str:
+    text = interval_text(lower, upper).replace(" to ", "…").replace("-", "−")
+    return text if np.isfinite([lower, upper]).all() else "not known"
 
 
 def _effect_rows(results: Results) -> pd.DataFrame:
@@ -188,12 +190,16 @@ def _effect_rows(results: Results) -> pd.DataFrame:
     effects = (f"{name}_percent" for name in EFFECT_COLUMN_STEMS)
     table = results.budget("screen", *effects)
     table = table[table["hv_m"] == table["hv_m"].max()].sort_values("h0_m")
-    shown: dict[str, Any] = {"effect": list(map(column_label, EFFECT_COLUMN_STEMS))}
+    labels = [*map(column_label, EFFECT_COLUMN_STEMS), "all together (modelling error)"]
+    shown: dict[str, Any] = {"effect": labels}
     for _, row in table.iloc[[0, -1]].iterrows():
         present = row["included_effects"].split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
-            "in the forces" if name in present else signed_text(row[f"{name}_percent"])
-            for name in EFFECT_COLUMN_STEMS
+            *(
+                "in the forces" if name in present else signed_text(row[f"{name}_percent"])
+                for name in EFFECT_COLUMN_STEMS
+            ),
+            _bounds_text(*row[MODELLING_ERROR_COLUMNS]),
         ]
     return pd.DataFrame(shown)
 

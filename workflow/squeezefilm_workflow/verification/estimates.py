@@ -11,7 +11,7 @@ from unittest.mock import patch
 import numpy as np
 import pandas as pd
 
-from squeezefilm.cli.options import command, option
+from squeezefilm.cli.options import command, flag_option, option
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.parallel import track_progress
@@ -27,12 +27,10 @@ from squeezefilm_workflow.verification.random_films import (
     random_film,
 )
 
-# Tolerance of a direct solution over that of the film, and the least.
-DIRECT_TOLERANCE_RATIO, MIN_DIRECT_TOLERANCE = 0.01, 1e-8
-# Unknowns of the finest grids: with more, one film of twenty takes most of the time of all.
-MAX_FINEST_GRID_UNKNOWNS = 20_000
+# Least tolerance of a direct solution.
+MIN_DIRECT_TOLERANCE = 1e-8
 # Films between two writings of the tables.
-FILMS_PER_WRITE = 40
+FILMS_PER_WRITE = 20
 QUANTILES = (0.5, 0.9, 0.99, 0.999)
 ESTIMATE_OUTCOMES = ("within", "outside", "no force", "no direct solution")
 RANDOM_FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
@@ -49,12 +47,50 @@ ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, float]] = {
 }
 
 
+@dataclass(frozen=True)
+class Campaign:
+    """Random films, and how they are solved.
+
+    Attributes:
+        direct_tolerance_ratio: tolerance of a direct solution over that of the film.
+        max_unknowns: of the finest grids; with more, few films take most of the time.
+    """
+
+    with_inertia: bool = False
+    direct_tolerance_ratio: float = 0.01
+    max_unknowns: int = 20_000
+
+    def film(self, number: int, *, seed: int) -> RandomFilm:
+        """Return the film of a number."""
+        if not self.with_inertia:
+            return random_film(number, seed=seed)
+        film = random_film(
+            number,
+            seed=seed,
+            groups={"inertia": 60, "thermal": 40},
+            profiles={"piston": 30, "smooth": 70},
+            sigma=(1.0, 1e4),
+            reynolds=(0.05, 20.0),
+        )
+        return replace(film, tolerance=min(TOLERANCE_PERCENTAGES))
+
+    def direct_tolerance(self, tolerance: float) -> float:
+        """Return the tolerance of a direct solution."""
+        direct = max(self.direct_tolerance_ratio * tolerance, MIN_DIRECT_TOLERANCE)
+        return float(f"{direct:.0e}")
+
+
+ALL_TERMS_CAMPAIGN = Campaign()
+INERTIA_CAMPAIGN = Campaign(with_inertia=True, direct_tolerance_ratio=0.1, max_unknowns=30_000)
+
+
 @command(
     option("--output", "TABLE.csv", "table of forces to write or go on with", required=True),
     option("--summary", "SUMMARY.csv", "its quantiles by term and tolerance", required=True),
     option("--grids", "GRIDS.csv", "table of the forces on all grids to write or go on with"),
     option("--films", "N", "default 100", type=int, default=100),
     option("--seed", help="default 1", type=int, default=1),
+    flag_option("--with-inertia", "films with inertia or thermal effects alone"),
 )
 def estimates(options: argparse.Namespace) -> None:
     """Compare forces of random films with direct solutions: error over error estimate.
@@ -65,26 +101,31 @@ def estimates(options: argparse.Namespace) -> None:
     solved by the periodic method at the drawn tolerance, from 1e-2 to 1e-6, and at all looser ones,
     on grids of at most 20 000 unknowns. The direct solution has a hundredth of the tolerance or
     less. The error is the distance of both, the estimate that of both.
+    With --with-inertia films have a smooth mode shape, σ to 10⁴ and Re to 20, tolerances to 1e-6,
+    30 000 unknowns, and direct solutions of a tenth of the tolerance.
     The tables grow film by film, and a run that was stopped goes on. The exit status is 1 where an
     error is larger than its estimate.
     """
     output, numbers = Path(options.output), range(options.films)
-    table = _read_unfinished_table(output, seed=options.seed)
+    campaign = INERTIA_CAMPAIGN if options.with_inertia else ALL_TERMS_CAMPAIGN
+    origin = {"seed": options.seed, "with_inertia": options.with_inertia}
+    table = _read_unfinished_table(output, **origin)
     missing = [number for number in numbers if number not in {*table["film"]}]
     with track_progress(len(missing), unit="film", name="estimates") as bar:
         for start in range(0, len(missing), FILMS_PER_WRITE):
             film_numbers = missing[start : start + FILMS_PER_WRITE]
             rows, grids = force_and_grid_rows(
-                {n: random_film(n, seed=options.seed) for n in film_numbers}
+                {n: campaign.film(n, seed=options.seed) for n in film_numbers}, campaign
             )
             if options.grids:
                 _append_to_table(pd.DataFrame(grids), Path(options.grids))
-            _append_to_table(pd.DataFrame(rows).assign(seed=options.seed), output)
+            _append_to_table(pd.DataFrame(rows).assign(**origin), output)
             bar.update(len(film_numbers))
-    table = _read_unfinished_table(output, seed=options.seed)
-    table = with_outcomes(table[table["film"].isin(numbers)])
+    table = _read_unfinished_table(output, **origin)
+    table = with_outcomes(table[table["film"].isin(numbers)], campaign)
     shown = outcome_summary(table)
     call = f"estimates --films {options.films} --seed {options.seed} --output FORCES.csv"
+    call += " --with-inertia" * options.with_inertia
     call += f" --summary {Path(options.summary).name}"
     write_with_origin(shown, options.summary, command=call)
     print(shown.to_string(index=False))
@@ -98,18 +139,19 @@ def _append_to_table(table: pd.DataFrame, path: Path) -> None:
         table.to_csv(file, index=False, header=file.tell() == 0)
 
 
-def _read_unfinished_table(path: Path, *, seed: int) -> pd.DataFrame:
-    """Raises InputError for a table of another seed, or another table."""
+def _read_unfinished_table(path: Path, **origin: Any) -> pd.DataFrame:
+    """Raises InputError for a table of other films, or another table."""
     if not path.exists():
         return pd.DataFrame({"film": []})
     table = pd.read_csv(path)
-    if not {"film", "seed"} <= {*table} or set(table["seed"]) != {seed}:
-        raise InputError(f"{path}: no table of films of seed {seed}; name another --output")
+    if not {"film", *origin} <= {*table} or (table[[*origin]] != [*origin.values()]).any(axis=None):
+        films = " of ".join(["films", *(f"{name} {value}" for name, value in origin.items())])
+        raise InputError(f"{path}: no table of {films}; name another --output")
     return table
 
 
 def force_and_grid_rows(
-    films: dict[int, RandomFilm],
+    films: dict[int, RandomFilm], campaign: Campaign = ALL_TERMS_CAMPAIGN
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
     """Return rows of films' forces, a row a tolerance, and rows of the grids behind them."""
     scenes = {number: replace(film.scene, point_id=str(number)) for number, film in films.items()}
@@ -117,13 +159,18 @@ def force_and_grid_rows(
     rows = []
     with (
         record_grids() as grids,
-        patch.object(refinement, "MAX_UNKNOWNS", MAX_FINEST_GRID_UNKNOWNS),
+        patch.object(refinement, "MAX_UNKNOWNS", campaign.max_unknowns),
     ):
-        for tolerance in sorted(
-            {*TOLERANCE_PERCENTAGES, *map(direct_tolerance, TOLERANCE_PERCENTAGES)}, reverse=True
-        ):
+        directs = map(campaign.direct_tolerance, TOLERANCE_PERCENTAGES)
+        for tolerance in sorted({*TOLERANCE_PERCENTAGES, *directs}, reverse=True):
             film_numbers = [
-                n for n in films if n not in ended and _is_solved_at_tolerance(films[n], tolerance)
+                n
+                for n, film in films.items()
+                if n not in ended
+                and (
+                    (tolerance in TOLERANCE_PERCENTAGES and tolerance >= film.tolerance)
+                    or tolerance == campaign.direct_tolerance(film.tolerance)
+                )
             ]
             forces = _gauge_pressures_and_errors([scenes[n] for n in film_numbers], tolerance)
             for number, (force, error) in zip(film_numbers, forces, strict=True):
@@ -136,15 +183,9 @@ def force_and_grid_rows(
     return rows, grids
 
 
-def _is_solved_at_tolerance(film: RandomFilm, tolerance: float) -> bool:
-    """Return whether a film is solved at a tolerance, to be examined or for the direct solution."""
-    own = tolerance in TOLERANCE_PERCENTAGES and tolerance >= film.tolerance
-    return own or tolerance == direct_tolerance(film.tolerance)
-
-
-def direct_tolerance(tolerance: float) -> float:
-    """Return the tolerance of a direct solution."""
-    return float(f"{max(DIRECT_TOLERANCE_RATIO * tolerance, MIN_DIRECT_TOLERANCE):.0e}")
+def direct_pressures_and_errors(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
+    """Mean gauge pressures over p0 and their errors far within a tolerance, (n, 2)."""
+    return _gauge_pressures_and_errors(scenes, ALL_TERMS_CAMPAIGN.direct_tolerance(tolerance))
 
 
 def _gauge_pressures_and_errors(scenes: Sequence[Scene], tolerance: float) -> np.ndarray:
@@ -172,11 +213,11 @@ def record_grids() -> Iterator[list[dict[str, Any]]]:
         yield rows
 
 
-def with_outcomes(table: pd.DataFrame) -> pd.DataFrame:
+def with_outcomes(table: pd.DataFrame, campaign: Campaign = ALL_TERMS_CAMPAIGN) -> pd.DataFrame:
     """Return a table of forces with ``direct``, ``error_over_estimate`` and ``outcome``.
 
-    Direct is a film's force at the least tolerance, where that is at most a hundredth of the row's;
-    rows of forces that are direct alone are left away.
+    Direct is a film's force at the least tolerance, where that is tight enough for the row's; rows
+    of forces that are direct alone are left away.
     """
     solved = table.dropna(subset="force").sort_values("tolerance").drop_duplicates("film")
     columns = {"tolerance": "direct_tolerance", "force": "direct", "estimate": "direct_error"}
@@ -184,7 +225,9 @@ def with_outcomes(table: pd.DataFrame) -> pd.DataFrame:
     table = table[table["tolerance"].isin(TOLERANCE_PERCENTAGES)].merge(
         direct, on="film", how="left"
     )
-    known = table["direct_tolerance"] <= table["tolerance"].map(direct_tolerance) * (1 + 1e-9)
+    known = table["direct_tolerance"] <= table["tolerance"].map(campaign.direct_tolerance) * (
+        1 + 1e-9
+    )
     off = (table["force"] - table["direct"]).abs()
     ratio = (off / (table["estimate"] + table["direct_error"])).where(known)
     outcome = np.select(
@@ -246,7 +289,9 @@ class RecordedGrids:
 
         Raises InputError where no film has one.
         """
-        known = with_outcomes(forces).dropna(subset="error_over_estimate")
+        with_inertia = bool(forces.get("with_inertia", pd.Series([False])).iloc[0])
+        campaign = INERTIA_CAMPAIGN if with_inertia else ALL_TERMS_CAMPAIGN
+        known = with_outcomes(forces, campaign).dropna(subset="error_over_estimate")
         if known.empty:
             raise InputError("no film of the table has a direct solution; examine more films")
         columns = ["film", "tolerance", "direct", "direct_error"]
@@ -258,7 +303,7 @@ class RecordedGrids:
         for name in RESULT_DTYPE.names or ():
             results[name] = table[name]
         seed = known["seed"].iloc[0]
-        drawn = {number: random_film(number, seed=seed).scene for number in {*table["film"]}}
+        drawn = {number: campaign.film(number, seed=seed).scene for number in {*table["film"]}}
         scenes = Scenes.of([drawn[number] for number in table["film"]])
         return cls(table, grids_before, results, scenes)
 
@@ -344,7 +389,7 @@ def stored_films(options: argparse.Namespace) -> None:
     table = read_stored_films(options.output)
     for index, row in table[table["force"].isna()].iterrows():
         film = film_of_row(row)
-        tolerance = direct_tolerance(film.tolerance)
+        tolerance = ALL_TERMS_CAMPAIGN.direct_tolerance(film.tolerance)
         ((force, error),) = _gauge_pressures_and_errors([film.scene], tolerance)
         table.loc[index, ["force", "force_error"]] = float(f"{force:.9g}"), float(f"{error:.2g}")
         write_with_origin(table, options.output, command=f"stored-films --output {options.output}")

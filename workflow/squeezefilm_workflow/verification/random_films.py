@@ -127,14 +127,22 @@ class RandomFilm:
         return Formula(self.profile, SURFACE_DISC, self.quadrature)
 
 
-def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> RandomFilm:
+def random_film(
+    number: int,
+    *,
+    seed: int,
+    groups: Mapping[str, int] = GROUP_PERCENTAGES,
+    profiles: Mapping[str, int] = PROFILE_PERCENTAGES,
+    **limits: tuple[float, float],
+) -> RandomFilm:
     """The film of a number, whatever others are drawn.
 
     Args:
+        groups, profiles: probabilities in per cent.
         limits: of ``epsilon``, ``sigma``, ``bearing`` or ``reynolds`` other than the docstring's.
     """
     random = np.random.default_rng((seed, number))
-    group = _draw_by_percentages(random, GROUP_PERCENTAGES)
+    group = _draw_by_percentages(random, groups)
     limits = (
         {"epsilon": EPSILON_RANGE, "sigma": SIGMA_RANGE} | RANGES_OF_GROUP.get(group, {}) | limits
     )
@@ -146,7 +154,7 @@ def random_film(number: int, *, seed: int, **limits: tuple[float, float]) -> Ran
         group=group,
         epsilon=float(random.uniform(*limits["epsilon"])),
         sigma=log_uniform(random, limits["sigma"]),
-        profile=_random_profile_formula(shared, x * PAD_LENGTH_M, y * PAD_LENGTH_M),
+        profile=_random_profile_formula(shared, x * PAD_LENGTH_M, y * PAD_LENGTH_M, profiles),
         tolerance=float(_draw_by_percentages(random, TOLERANCE_PERCENTAGES)),
         x=float(x),
         y=float(y),
@@ -201,9 +209,14 @@ def _film_with_nonuniform_gap(random: np.random.Generator, drawn: RandomFilm) ->
     return replace(drawn, epsilon=drawn.epsilon / closure)
 
 
-def _random_profile_formula(random: np.random.Generator, x_m: float, y_m: float) -> str:
+def _random_profile_formula(
+    random: np.random.Generator,
+    x_m: float,
+    y_m: float,
+    frequencies: Mapping[str, int] = PROFILE_PERCENTAGES,
+) -> str:
     """A profile whose features lie under or near a pad at x, y."""
-    kind = _draw_by_percentages(random, PROFILE_PERCENTAGES)
+    kind = _draw_by_percentages(random, frequencies)
     if kind == "piston":
         return "1"
     if kind == "smooth":

@@ -11,6 +11,7 @@ from squeezefilm.designs.sequential import Outcome, PointPool, RefinementRound, 
 from squeezefilm.designs.space import coordinate_function
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.positions import columns_in_table_form
+from squeezefilm.formatting import interval_text
 from squeezefilm.models.data import factors_of_table
 from squeezefilm.models.fit_file import fit_from_values
 from squeezefilm.models.fitting import Fit
@@ -149,10 +150,10 @@ def refine(
 
 
 def _print_round(done: RefinementRound) -> None:
+    limits = interval_text(done.global_lower, done.global_upper, sign="")
     print(
         f"round {done.number}: {done.simulations} simulations, global error {done.global_error:.2g}"
-        f" ({done.global_lower:.2g} … {done.global_upper:.2g}), worst {done.worst_error:.2g}, "
-        f"floor {done.floor:.2g}"
+        f" ({limits}), worst {done.worst_error:.2g}, floor {done.floor:.2g}"
     )
 
 
