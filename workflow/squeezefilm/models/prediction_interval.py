@@ -139,6 +139,7 @@ class PredictionInterval(BaseModel):
         A file of a version that did not write the ends of the regions has no such notes.
         """
         notes = np.full(len(factors), "", dtype=object)
+        error = "the 95 % error" + " without the scan" * bool(self.profile_uncertainty)
         for region in self.coverage:
             if region["coverage"] < MIN_COVERAGE and "upper" in region:
                 values = factors.column(region["quantity"])
@@ -147,7 +148,7 @@ class PredictionInterval(BaseModel):
                     values < (np.inf if high is None else high)
                 )
                 notes[inside] += (
-                    f"; the 95 % error holds {100 * region['coverage']:.3g} % of the sample in the "
+                    f"; {error} holds {100 * region['coverage']:.3g} % of the sample in the "
                     f"{region['third']} third of the {COLUMNS[region['quantity']].label}"
                 )
         return [note.removeprefix("; ") for note in notes]
