@@ -148,8 +148,8 @@ class PredictionInterval(BaseModel):
                     values < (np.inf if high is None else high)
                 )
                 notes[inside] += (
-                    f"; {error} holds {100 * region['coverage']:.3g} % of the sample in the "
-                    f"{region['third']} third of the {COLUMNS[region['quantity']].label}"
+                    f"; {error} holds {100 * region['coverage']:.3g} % of {region['points']} "
+                    f"validation points in the {region['third']} third of the {COLUMNS[region['quantity']].label}"
                 )
         return [note.removeprefix("; ") for note in notes]
 
@@ -294,6 +294,7 @@ def conformal_interval(
                 "third": third,
                 "lower": lower,
                 "upper": upper,
+                "points": int(mask.sum()),
                 "coverage": float(inside[ranking][mask].mean()),
             }
             for name, third, (lower, upper), mask in factor_thirds(factors.take(ranking))
