@@ -142,14 +142,15 @@ class PredictionInterval(BaseModel):
         error = "the 95 % error" + " without the scan" * bool(self.profile_uncertainty)
         for region in self.coverage:
             if region["coverage"] < MIN_COVERAGE and "upper" in region:
-                values = factors.column(region["quantity"])
+                name = region["quantity"]
+                values, label = factors.column(name), COLUMNS[name].label
                 low, high = region["lower"], region["upper"]
                 inside = (values >= (-np.inf if low is None else low)) & (
                     values < (np.inf if high is None else high)
                 )
                 notes[inside] += (
                     f"; {error} holds {100 * region['coverage']:.3g} % of {region['points']} "
-                    f"validation points in the {region['third']} third of the {COLUMNS[region['quantity']].label}"
+                    f"validation points in the {region['third']} third of the {label}"
                 )
         return [note.removeprefix("; ") for note in notes]
 
