@@ -51,6 +51,7 @@ from squeezefilm.models.fitting import (
     sum_of_squares,
 )
 from squeezefilm.models.force_model import ExpressionModel
+from squeezefilm.units import error_text
 
 PointSimulator = Callable[[Indices], tuple[Array, Array]]
 """From points of the pool to their forces and the errors of these, in newtons."""
@@ -289,8 +290,8 @@ class SequentialDesign:
         )
         if below and (last.number > 1 or parameters == 0):
             return "targets met", (
-                f"global error {last.global_error:.2g}, below {last.global_upper:.2g} with 95 %; "
-                f"worst error {last.worst_error:.2g}"
+                f"global error {last.global_error:.2g}, below {error_text(last.global_upper)} "
+                f"with 95 %; worst error {last.worst_error:.2g}"
             )
         numerical = last.floor <= MAX_RESIDUAL_ERROR_RATIO * last.simulation_error
         what = f"limited by the {'simulations' if numerical else 'model'}"
@@ -312,7 +313,7 @@ class SequentialDesign:
             return "out of simulations", (
                 f"{last.simulations} of {settings.simulations} simulations are done, and another "
                 f"batch has {settings.batch}; global error {last.global_error:.2g} to "
-                f"{last.global_upper:.2g}, worst error {last.worst_error:.2g}"
+                f"{error_text(last.global_upper)}, worst error {last.worst_error:.2g}"
             )
         return "", ""
 
