@@ -168,7 +168,7 @@ def test_a_fit_predicts_what_is_simulated(study, fit):
     predicted = fit.predict("6 um", "1.5 um", x="1 mm", y="-0.5 mm").iloc[0]
     force = float(study.force("6 um", "1.5 um", x="1 mm", y="-0.5 mm"))
     assert abs(predicted["force_n"] / force - 1) <= predicted["error_95_percent"] / 100 < 0.01
-    assert predicted["note"] == ""
+    assert "not validated" not in predicted["note"]  # few points may cover a region badly
     outside = fit.predict("6 um", "4 um").iloc[0]
     assert np.isnan(outside["error_95_n"])
     assert "hv = 4 µm outside" in outside["note"]

@@ -214,6 +214,13 @@ def test_a_point_without_a_result_ends_with_the_reason_and_status_1(
     assert reason in f"{table['validity'][0]} {table['note'][0]}"
 
 
+def test_a_fit_without_a_sample_states_why_it_has_no_force_too(write_fit, capsys):
+    path = write_fit(get_model("limit_2"), THETA["limit_2"], validation=None)
+    assert cli.main(["predict", str(path), "--h0=12um", "--hv=1um"]) == 1
+    error = capsys.readouterr().err
+    assert error.endswith("--sample`); the table of the expansion ends at h0 = 5 and 10 µm\n")
+
+
 def _h0_of(options: list[str]) -> str:
     return next((each[5:] for each in options if each.startswith("--h0=")), "5um")
 
@@ -237,13 +244,14 @@ def test_a_fit_without_the_surface_does_not_say_that_the_pad_lies_on_it(write_fi
 def test_a_region_that_the_interval_covers_badly_is_noted(write_fit):
     """At 10 µm 76 % of the sample lay within the 95 % error, and the force had no note."""
     own = validation()
-    high = {"quantity": "h0_m", "third": "high", "lower": 8e-6, "upper": None, "coverage": 0.76}
+    high = {"quantity": "h0_m", "third": "high", "lower": 8e-6, "upper": None}
+    high |= {"coverage": 0.76, "points": 167}
     path = write_fit(get_model("two_factor"), THETA["two_factor"])
     known = write_fit(
         get_model("four_factor"), THETA["four_factor"], validation=own | {"coverage": [high]}
     )
     found = Fit.read(known).predict(h0="5um,9um", hv="1um")
-    text = "the 95 % error holds 76 % of the sample in the high third of the gap h0"
+    text = "the 95 % error holds 76 % of 167 validation points in the high third of the gap h0"
     assert list(found["note"]) == ["", text]
     assert np.isfinite(found["error_95_n"]).all()
     assert list(Fit.read(path).predict(h0="5um,9um", hv="1um")["note"]) == ["", ""]

@@ -269,17 +269,18 @@ class FittedModel(BaseModel):
         """
         force, interval = np.asarray(force_n, dtype=float), self.prediction_interval
         error_95, error_99 = np.full((2, len(force)), np.nan)
+        reasons = [
+            "" if known else reason
+            for known, reason in zip(np.isfinite(force), self.undefined_texts(factors), strict=True)
+        ]
         if interval is None:
-            return error_95, error_99, [f"not validated: {NO_VALIDATION_SAMPLE_TEXT}"] * len(force)
+            no_sample = f"not validated: {NO_VALIDATION_SAMPLE_TEXT}"
+            notes = ["; ".join(filter(None, (no_sample, reason))) for reason in reasons]
+            return error_95, error_99, notes
         few = "" if interval.error_95 else "too few points of the sample have a force"
         notes = [
-            "; ".join(filter(None, (outside or few, "" if known else undefined)))
-            for outside, undefined, known in zip(
-                interval.range_notes(factors),
-                self.undefined_texts(factors),
-                np.isfinite(force),
-                strict=True,
-            )
+            "; ".join(filter(None, (outside or few, reason)))
+            for outside, reason in zip(interval.range_notes(factors), reasons, strict=True)
         ]
         known = [not note for note in notes]
         error_95[known] = interval.error_n(force[known])

@@ -139,16 +139,18 @@ class PredictionInterval(BaseModel):
         A file of a version that did not write the ends of the regions has no such notes.
         """
         notes = np.full(len(factors), "", dtype=object)
+        error = "the 95 % error" + " without the scan" * bool(self.profile_uncertainty)
         for region in self.coverage:
             if region["coverage"] < MIN_COVERAGE and "upper" in region:
-                values = factors.column(region["quantity"])
+                name = region["quantity"]
+                values, label = factors.column(name), COLUMNS[name].label
                 low, high = region["lower"], region["upper"]
                 inside = (values >= (-np.inf if low is None else low)) & (
                     values < (np.inf if high is None else high)
                 )
                 notes[inside] += (
-                    f"; the 95 % error holds {100 * region['coverage']:.3g} % of the sample in the "
-                    f"{region['third']} third of the {COLUMNS[region['quantity']].label}"
+                    f"; {error} holds {100 * region['coverage']:.3g} % of {region['points']} "
+                    f"validation points in the {region['third']} third of the {label}"
                 )
         return [note.removeprefix("; ") for note in notes]
 
@@ -293,6 +295,7 @@ def conformal_interval(
                 "third": third,
                 "lower": lower,
                 "upper": upper,
+                "points": int(mask.sum()),
                 "coverage": float(inside[ranking][mask].mean()),
             }
             for name, third, (lower, upper), mask in factor_thirds(factors.take(ranking))
