@@ -708,6 +708,15 @@ def test_what_a_study_must_say_of_points_is_in_the_first_message(content, messag
     assert "actuator.profile" not in str(refusal.value)
 
 
+def test_an_ignored_column_that_may_be_the_sign_is_named(tmp_path):
+    """With `phas_deg` in the header the message was that there is no phase, and no more."""
+    path = tmp_path / "scan.csv"
+    path.write_text(text("x_mm,y_mm,amplitude_um,phas_deg,run", X, Y, abs(U), 90 * np.sign(U), X))
+    with pytest.raises(InputError, match=r"; ignored columns: 'phas_deg', 'run'") as refusal:
+        smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M))
+    assert str(refusal.value).endswith("; did you mean phase_deg by 'phas_deg'?")
+
+
 def test_a_component_beside_a_magnitude_has_its_sign(tmp_path):
     """As ParaView writes vectors; amplitudes, by their name or by a node line, have none."""
     header, raised = '"{0}:2 [um]","{0}:Magnitude","Points:0 [mm]","Points:1 [mm]"', U + 1.5

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
+import re
 from dataclasses import replace
 from decimal import Decimal
 from pathlib import Path
@@ -28,6 +30,7 @@ UNSIGNED_PROBLEM = (
     "surface. Give a column phase_deg or sign, or say actuator.profile.sign: unknown if the "
     "surface has no node line"
 )
+SIGN_COLUMNS = ("phase_deg", "phase_rad", "sign")
 # A scan of a smaller share of its surface's radius or half side has another unit, if it fits then;
 # and by how much points may miss a surface that is only to be told.
 MIN_SCAN_EXTENT_FRACTION, EXTENT_TOLERANCE_FRACTION = 0.1, 0.03
@@ -82,6 +85,7 @@ def check_points(scan: Scan, settings: ScanFile, surface: Surface) -> None:
     reach = surface.relative_distance(scan.x_m, scan.y_m)
     remedies, along = point_remedies(settings, surface), settings.along
     problems = [remedies.unsigned * (not scan.has_phase_or_sign)]
+    problems[0] += _ignored_columns_text(scan) * bool(problems[0])
     at_m = {"x": scan.x_m, "y": scan.y_m}
     on_line = scan.is_radial or (
         isinstance(surface, Rectangle)
@@ -109,6 +113,19 @@ def check_points(scan: Scan, settings: ScanFile, surface: Surface) -> None:
             f"{scan.path}: all points lie at the centre of the {surface.text} "
             f"({surface.config_key}){hint}"
         )
+
+
+def _ignored_columns_text(scan: Scan) -> str:
+    """Columns of the file that were ignored, and which of them may be the phase or the sign."""
+    ignored = [note for note in scan.notes if note.startswith("ignored columns")]
+    meant = {
+        name: near[0]
+        for note in ignored
+        for name in re.findall("'(.*?)'", note)
+        if (near := difflib.get_close_matches(name.lower(), SIGN_COLUMNS, n=1))
+    }
+    hints = [f"did you mean {column} by {name!r}?" for name, column in meant.items()]
+    return "".join(f"; {text}" for text in (*ignored, *hints))
 
 
 def edge_tolerance(scan: Scan, surface: Surface) -> float:
