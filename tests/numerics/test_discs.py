@@ -175,6 +175,11 @@ def test_the_budget_of_an_ellipse_is_its_own():
     assert of_disc.effects["edge_loss"].percent == pytest.approx(percent, rel=0.02)
     percent = 100 * (1 - mean(plain, tolerance=1e-6) / mean(slides, tolerance=1e-6))
     assert sliding.effects["bearing"].percent == pytest.approx(percent, rel=1e-3)
+    round_slides = replace(disc, pad=replace(disc.pad, speed_x_m_per_s=slides.pad.speed_x_m_per_s))
+    (of_sliding_disc,) = error_budgets([round_slides])
+    percent = 100 * (1 - mean(disc, tolerance=1e-6) / mean(round_slides, tolerance=1e-6))
+    bearing = of_sliding_disc.effects["bearing"]
+    assert abs(bearing.percent - percent) <= bearing.error_percent
     assert np.isfinite(own.modelling_error_percent).all()
     (chosen,) = resolve_auto_terms([ellipse(1.0, epsilon=0.4, sigma=300.0, inertia="auto")])
     assert chosen.gas.inertia == "included"

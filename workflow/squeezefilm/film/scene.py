@@ -393,7 +393,8 @@ class Scenes(OperatingPoints, Sequence[Scene]):
         if isinstance(rows, (int, np.integer)):
             return self.films[index].scene(*map(float, numbers), point_id=str(point_id))
         films = self.films
-        if len(films) > len(index):  # each column of a film's values takes time for each of them
+        # A column of films' values takes time for each of them.
+        if len(films) > len(index) > 0:
             known = {film: place for place, film in enumerate(dict.fromkeys(index.tolist()))}
             films = tuple(films[film] for film in known)
             index = np.array([known[film] for film in index.tolist()], dtype=np.int64)

@@ -236,9 +236,11 @@ def _error_budgets_of_variants(
         moving = [films[k] for k in waiting]
         variants = _solve_variants(moving, refinements=refinements, device=device)
         changes = _changes_beside_states(moving, variants, device=device)
-        for k in waiting:
-            budgets[k] = _error_budget_of_variants(films[k], variants, changes)
-        waiting = [k for k in waiting if not _is_resolved(budgets[k], films[k], variants)]
+        resolved = []
+        for k, of_film, changes_of_film in zip(waiting, variants, changes, strict=True):
+            budgets[k] = _error_budget_of_variants(films[k], of_film, changes_of_film)
+            resolved.append(_is_resolved(budgets[k], films[k], of_film))
+        waiting = [k for k, done in zip(waiting, resolved, strict=True) if not done]
     unsolved = [k for k, film in enumerate(films) if film.has_force and budgets[k].status != "ok"]
     how: dict[str, Any] = {"tolerance": FIRST_GRID_TOLERANCE, "method": "periodic"}
     for k, solution in zip(
@@ -250,48 +252,49 @@ def _error_budgets_of_variants(
 
 def _solve_variants(
     films: Sequence[EffectVariants], *, refinements: int, device: Device
-) -> dict[Scene, FilmOnGrids]:
-    """Return the variants of films on the grids of each with all effects, where there are states.
-
-    Equal variants of films are solved for once.
-    """
-    full_scenes = {scene: film.together for film in films for scene in film.scenes}
-    scenes = Scenes.of(list(full_scenes))
+) -> list[dict[Scene, FilmOnGrids]]:
+    """Return the variants of each film that have states, on grids of that with all effects."""
+    scenes = [(k, scene) for k, film in enumerate(films) for scene in dict.fromkeys(film.scenes)]
     solved = films_on_grids_of(
-        solve_plan_of(Scenes.of(list(full_scenes.values()))),
-        scenes,
+        solve_plan_of([films[k].together for k, _ in scenes]),
+        Scenes.of([scene for _, scene in scenes]),
         range(len(scenes)),
         tolerance=FIRST_GRID_TOLERANCE,
         refinements=refinements,
         device=device,
         keep_states=True,
     )
-    return {scene: solved[row] for row, scene in enumerate(full_scenes) if row in solved}
+    variants: list[dict[Scene, FilmOnGrids]] = [{} for _ in films]
+    for row, film_on_grids in solved.items():
+        k, scene = scenes[row]
+        variants[k][scene] = film_on_grids
+    return variants
 
 
 def _changes_beside_states(
-    films: Sequence[EffectVariants], variants: Mapping[Scene, FilmOnGrids], *, device: Device
-) -> ForceChanges:
-    """Return the changes of forces by effects that the solver has no terms for."""
-    alone = {film.scene: None for film in films}
-    together = {film.together: None for film in films}
-    sliding = {film.together: None for film in films if film.scene.bearing_number}
-    with_still = sliding | {film.still.together: None for film in films if film.still}
-    changes: ForceChanges = {}
+    films: Sequence[EffectVariants],
+    variants: Sequence[Mapping[Scene, FilmOnGrids]],
+    *,
+    device: Device,
+) -> list[ForceChanges]:
+    """Return the changes of each film's forces by effects that the solver has no terms for."""
+    alone = [(k, film.scene) for k, film in enumerate(films)]
+    together = [(k, film.together) for k, film in enumerate(films)]
+    sliding = [(k, scene) for k, scene in together if scene.bearing_number]
+    still = [(k, film.still.together) for k, film in enumerate(films) if film.still]
+    changes: list[ForceChanges] = [{} for _ in films]
     edge_changes = edge_effects.edge_effect_changes
-    for name, force_changes, of_scenes in (
+    for name, force_changes, of_films in (
         ("separate_edge_effects", partial(edge_changes, laws=SEPARATE_LAWS), alone),
         ("joint_edge_effects", partial(edge_changes, laws=JOINT_LAWS), together),
         ("ram_pressure", edge_effects.ram_pressure_changes, sliding),
-        ("sheared_gas", sheared_gas.sheared_gas_force_changes, with_still),
+        ("sheared_gas", sheared_gas.sheared_gas_force_changes, [*dict.fromkeys(sliding + still)]),
         ("moving_profile", moving_profile.moving_profile_changes, sliding),
     ):
-        found = force_changes(
-            list(of_scenes),
-            [_solution_of_variant(variants.get(scene)) for scene in of_scenes],
-            device=device,
-        )
-        changes[name] = dict(zip(of_scenes, np.moveaxis(found, -1, 0), strict=True))
+        solutions = [_solution_of_variant(variants[k].get(scene)) for k, scene in of_films]
+        found = force_changes([scene for _, scene in of_films], solutions, device=device)
+        for (k, scene), change in zip(of_films, np.moveaxis(found, -1, 0), strict=True):
+            changes[k].setdefault(name, {})[scene] = change
     return changes
 
 

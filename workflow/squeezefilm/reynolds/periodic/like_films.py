@@ -37,7 +37,8 @@ from squeezefilm.reynolds.periodic.resolution import (
 )
 from squeezefilm.reynolds.plan import SolvePlan
 from squeezefilm.reynolds.self_test import check_device
-from squeezefilm.reynolds.terms import distinct_term_sets
+from squeezefilm.reynolds.terms import Terms, distinct_term_sets
+from squeezefilm.reynolds.terms.outline import RadialFilm, SmoothOutline
 
 # Relative error that the iteration may leave, over that which the grids are for, and the same of
 # each grid over that of the one before.
@@ -155,8 +156,15 @@ def _batches_on_grids_of(
         if len(grids) > 1:
             tolerances = [START_GRID_TOLERANCE] * (len(grids) - 2) + [left] * 2
             for part in equal_row_groups(term_set_index[alike]):
-                terms = term_sets[term_set_index[alike[part[0]]]]
+                terms = _terms_on_grid(term_sets[term_set_index[alike[part[0]]]], grids[0])
                 yield Batch(scenes, alike[part], terms, grids, tolerances)
+
+
+def _terms_on_grid(terms: Terms, grid: Grid) -> Terms:
+    """Return terms as a grid has them: a film without angle may be on one over the whole pad."""
+    if grid.outline is None:
+        return terms
+    return tuple(SmoothOutline() if isinstance(term, RadialFilm) else term for term in terms)
 
 
 def _films_of_batch(
