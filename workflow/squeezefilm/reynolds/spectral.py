@@ -348,6 +348,11 @@ class AngleAxis:
         """First derivative on all nodes, shape (full_point_count, full_point_count)."""
         return self._full_period.derivative_matrix
 
+    @property
+    def divergence_matrix(self) -> np.ndarray:
+        """Divergence on all nodes of a flow along the axis."""
+        return self.derivative_matrix
+
     @cached_property
     def second_derivative_parts(self) -> np.ndarray:
         """Second derivative of a function of the axis' symmetries, shape (n, n)."""
