@@ -129,8 +129,8 @@ def interval_text(lower: float, upper: float, *, sign: str = "+", digits: int = 
     # What rounding added to an end that lies on a step already is no reason for the next one.
     steps = floor(lower / 10**exponent + 1e-6), ceil(upper / 10**exponent - 1e-6)
     if largest < MIN_VALUE_WITHOUT_EXPONENT:
-        shown = {"sign": sign, "digits": digits}
-        return " to ".join(number_text(float(step) * 10**exponent, **shown) for step in steps)
+        ends = [float(step) * 10**exponent for step in steps]
+        return " to ".join(number_text(end, sign=sign, digits=digits) for end in ends)
     return " to ".join(f"{step * 10**exponent:{sign}.{max(-exponent, 0)}f}" for step in steps)
 
 
