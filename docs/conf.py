@@ -131,7 +131,8 @@ def measured(path: Path) -> str:
     origin = dict(comment.split(": ", 1) for comment in comments)
     if "commit" not in origin:
         return "\n".join(table)
-    source = f"*Commit {origin['commit']}, {origin['date']}; {origin['machine']}.*"
+    known = (origin[name] for name in ("date", "machine") if name in origin)
+    source = f"*Commit {origin['commit']}, {'; '.join(known)}.*"
     return "\n".join([*table, "", source])
 
 
