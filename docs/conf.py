@@ -31,6 +31,7 @@ extensions = [
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 nb_execution_mode, nb_execution_timeout, nb_execution_raise_on_error = "force", 600, True
+nb_output_stderr = "remove"  # progress, such as that kernels are compiled
 html_theme, html_title, html_show_copyright = "furo", f"squeezefilm {version}", False
 html_static_path, html_css_files = ["_static"], ["site.css"]
 exclude_patterns = ["_build", "**/_generated"]
@@ -50,7 +51,12 @@ def bound(value: float) -> str:
 def claims() -> list[str]:
     """Return the paper's claims beside the values of the checked reference, rows of a table."""
     with (HERE.parent / "tests/reference/paper/claims.csv").open(encoding="utf-8") as file:
-        ours = {(row["item"], row["quantity"]): row["value"] for row in csv.DictReader(file)}
+        ours = {
+            (row["item"], name): row[name]
+            for row in csv.DictReader(file)
+            for name in ("verdict", "ours")
+            if row[name]
+        }
     with (WORKFLOW / "squeezefilm_workflow/paper/papers_claims.csv").open(encoding="utf-8") as file:
         claims = list(csv.DictReader(file))
     rows = {kind: ["| claim | verdict | paper | here | unit |"] for kind in ("result", "setting")}
@@ -125,7 +131,8 @@ def measured(path: Path) -> str:
     origin = dict(comment.split(": ", 1) for comment in comments)
     if "commit" not in origin:
         return "\n".join(table)
-    source = f"*Commit {origin['commit']}, {origin['date']}; {origin['machine']}.*"
+    known = (origin[name] for name in ("date", "machine") if name in origin)
+    source = f"*Commit {origin['commit']}, {'; '.join(known)}.*"
     return "\n".join([*table, "", source])
 
 

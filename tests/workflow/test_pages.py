@@ -12,6 +12,7 @@ from matplotlib.text import Text
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.models.fit_file import read_fit
+from squeezefilm_workflow.paper.claims import claims_with_verdicts
 from squeezefilm_workflow.paper.figures import FIGURES as OF_THE_PAPER
 from squeezefilm_workflow.reporting.explorer import explorer_page
 from squeezefilm_workflow.reporting.figures import FIGURES as OF_ANY_STUDY
@@ -64,6 +65,23 @@ def test_a_caption_names_the_last_panel_of_its_figure(study, repository):
         # Of a range, (a–e), both ends are named.
         named = re.findall(r"\((?:\w–)?(\w)\)", caption)
         assert max(named) == max(re.findall(r"\((\w)\)", titles)), name
+
+
+def test_bounds_of_the_modelling_error_are_rounded_outward(study, tmp_path):
+    """The nearest were −0.08 and +6.6 in the summary, 0.962 N of 0.96154 N in a claim."""
+    bounds = {"modelling_error_lower_percent": -0.0805, "modelling_error_upper_percent": 6.613}
+    results = study.changed(
+        tmp_path, "simulations/screen/error_budget.csv", lambda table: table.assign(**bounds)
+    )
+    about = {"fits": ["screen"], "pairs": ["screen_on_screen"]}
+    total = summary_values(results, plans=["screen"], **about)["effects"].iloc[-1]
+    assert {*total[1:]} == {"−0.1…+6.7"}
+    claim = claims_with_verdicts(results).set_index("claim_id").loc["simulation_at_2.2"]
+    ends_n = re.findall(r"with all of them ([\d.]+) to ([\d.]+) N", claim["explanation"])[0]
+    row = results.budget("extrapolation").set_index("point_id").loc["operating_point"]
+    for end_n, percent, sign in zip(ends_n, row[[*bounds]], (-1, 1), strict=True):
+        beyond_n = sign * (float(end_n) - float(claim["ours"]) * (1 + percent / 100))
+        assert 0 <= beyond_n < 1e-3
 
 
 def test_figure_14_has_a_panel_of_each_fit_with_its_own_errors(study):

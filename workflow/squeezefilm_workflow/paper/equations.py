@@ -16,7 +16,7 @@ from squeezefilm.designs.paper_design import d_efficiency
 from squeezefilm.models.data import factors_of_table
 from squeezefilm.models.prediction_interval import error_statistics, relative_errors
 from squeezefilm_workflow.paper.claims import CLAIMS
-from squeezefilm_workflow.paper.tables import SYMBOL_OF_PARAMETER, UNIT_OF_PARAMETER
+from squeezefilm_workflow.paper.tables import parameter_rows
 from squeezefilm_workflow.reporting.check import FIT_OF_DESIGN
 from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
@@ -81,8 +81,8 @@ def _study_value_rows(
     yield "force", "at the paper's operating point", "N", forces["operating_point"]
     for name, part in LABEL_OF_FIT.items():
         fit = study.fit(name)
-        for parameter, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
-            yield part, SYMBOL_OF_PARAMETER[parameter], UNIT_OF_PARAMETER.get(parameter, "–"), value
+        for parameter in parameter_rows(fit):
+            yield part, *parameter
         yield part, "global error on its own points", "%", 100 * fit.global_error
     for (name, plan), where in LABEL_OF_VALIDATION.items():
         errors = study.validation_errors(name, plan)

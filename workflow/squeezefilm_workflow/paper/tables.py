@@ -1,9 +1,10 @@
 """Tables I to III of the paper, with our values: the paper's own are not legible to us."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import pandas as pd
 
+from squeezefilm.models.fit_file import FittedModel
 from squeezefilm_workflow.reporting.notes import five_digit_text, simulation_error_note
 from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
@@ -15,7 +16,6 @@ SYMBOL_OF_PARAMETER = {
     "theta3": "θ3",
     "theta4": "θ4",
 }
-UNIT_OF_PARAMETER = {"theta2": "N", "theta4": "1/m"}
 ASSUMPTION_NOTE = "our assumption: the paper's table is not legible to us"
 
 
@@ -32,8 +32,8 @@ def table2_page(results: Results) -> Page:
     rows = [
         ("mean gap", "h0", "µm", 1e6 * screen["h0_m"], "paper"),
         ("amplitude at the centre", "hv", "µm", 1e6 * screen["hv_m"], "paper"),
-        ("radial position", "φr", "mm", 1e3 * plan["phi_r_m"], ASSUMPTION_NOTE),
-        ("angular position", "φφ", "°", plan["phi_deg"], ASSUMPTION_NOTE),
+        ("radial position", "r", "mm", 1e3 * plan["phi_r_m"], ASSUMPTION_NOTE),
+        ("angular position", "φ", "°", plan["phi_deg"], ASSUMPTION_NOTE),
     ]
     columns = ["factor", "symbol", "unit", "minimum", "maximum", "source"]
     data = pd.DataFrame(
@@ -68,6 +68,15 @@ PAPER_TABLE_FUNCTIONS: dict[str, Callable[[Results], Page]] = {
 }
 
 
+def parameter_rows(fit: FittedModel) -> Iterator[tuple[str, str, float]]:
+    """Symbol, unit and value of each parameter; the formula gives the number of newtons."""
+    model = fit.force_model
+    for name, unit, value in zip(
+        model.parameter_names, model.parameter_units, fit.theta, strict=True
+    ):
+        yield SYMBOL_OF_PARAMETER[name], unit.replace("deg", "°") if unit != "1" else "–", value
+
+
 def _parameters_page(
     results: Results, fits: Sequence[tuple[str, str]], *, plan: str, title: str
 ) -> Page:
@@ -76,16 +85,7 @@ def _parameters_page(
     judged_on = f"{results.fit(fits[0][1]).points} points of the {fits[0][0]}"
     for shown, name in fits:
         fit = results.fit(name)
-        for key, value in zip(fit.force_model.parameter_names, fit.theta, strict=True):
-            rows.append(
-                (
-                    shown,
-                    fit.points,
-                    SYMBOL_OF_PARAMETER[key],
-                    UNIT_OF_PARAMETER.get(key, "–"),
-                    value,
-                )
-            )
+        rows += [(shown, fit.points, *parameter) for parameter in parameter_rows(fit)]
         error = (
             fit.global_error
             if name == plan
@@ -93,9 +93,9 @@ def _parameters_page(
         )
         rows.append((shown, fit.points, f"global error on the {judged_on}", "%", 100 * error))
     data = pd.DataFrame(rows, columns=["fit", "points", "quantity", "unit", "value"])
-    note = simulation_error_note(results.forces(plan))
+    note = f"{simulation_error_note(results.forces(plan))} The formula gives F in newtons."
     if plan == "four_factor":
-        note += " φφ in degrees, φr in metres."
+        note += " The formula takes φ in degrees and r in metres."
     return Page({"title": title, "shown": _fits_side_by_side(data), "note": note}, {"csv": data})
 
 

@@ -101,8 +101,10 @@ def estimates(options: argparse.Namespace) -> None:
     solved by the periodic method at the drawn tolerance, from 1e-2 to 1e-6, and at all looser ones,
     on grids of at most 20 000 unknowns. The direct solution has a hundredth of the tolerance or
     less. The error is the distance of both, the estimate that of both.
+
     With --with-inertia films have a smooth mode shape, σ to 10⁴ and Re to 20, tolerances to 1e-6,
     30 000 unknowns, and direct solutions of a tenth of the tolerance.
+
     The tables grow film by film, and a run that was stopped goes on. The exit status is 1 where an
     error is larger than its estimate.
     """

@@ -1,7 +1,7 @@
 """Random studies: every statement about them, compared with direct solutions."""
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -11,6 +11,7 @@ import pandas as pd
 
 from squeezefilm.cli.options import command, flag_option, option
 from squeezefilm.errors import InputError, RunError
+from squeezefilm.parallel import track_progress
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.verification.comparisons import (
     COMPARISON_OUTCOMES,
@@ -53,8 +54,8 @@ def random_studies(options: argparse.Namespace) -> None:
 
     With `--coverage` the library's models are fitted to each study, and fresh points of its
     declared space that lie inside their prediction intervals are counted. The table has a row for
-    each comparison and grows study by study. The exit status is 1 where a statement given as valid
-    does not hold: it is sure and wrong.
+    each comparison and grows study by study; some take minutes of a core. The exit status is 1
+    where a statement given as valid does not hold: it is sure and wrong.
     """
     seeds, output = range(options.seed, options.seed + options.studies), Path(options.output)
     if options.coverage:
@@ -77,7 +78,7 @@ def random_studies(options: argparse.Namespace) -> None:
 
 
 def compare_statements(
-    seeds: Iterable[int], *, points: int = 2, output: Path | None = None
+    seeds: Sequence[int], *, points: int = 2, output: Path | None = None
 ) -> pd.DataFrame:
     """Forces, errors, gaps, responses and validity of studies, a row for each comparison.
 
@@ -114,7 +115,7 @@ def compare_coverages(
 
 
 def _comparison_table(
-    seeds: Iterable[int],
+    seeds: Sequence[int],
     kinds: Sequence[str],
     check: Callable[..., Iterator[Comparison]],
     *,
@@ -122,8 +123,10 @@ def _comparison_table(
     **settings: object,
 ) -> pd.DataFrame:
     tables = []
-    with TemporaryDirectory() as name:
+    progress = track_progress(len(seeds), unit="seed", name="random studies")
+    with TemporaryDirectory() as name, progress as bar:
         for k, seed in enumerate(seeds):
+            bar.done = k
             kind = kinds[k % len(kinds)]
             try:
                 study = random_study(seed, folder=Path(name), kind=kind, **settings)
