@@ -127,7 +127,7 @@ def error_per_grid_change(
         np.maximum(
             DEFAULT_CONVERGENCE_RATIO, profile_error_ratio(plan, coarse, fine, tolerance=tolerance)
         ),
-        min_convergence_ratio(scenes),
+        min_convergence_ratio(scenes, plan.terms),
     )
     # A mass error w moves the pressure by about n w/H.
     left = scenes.gas.polytropic_exponent * solutions.residual / scenes.narrowest_gap_ratio

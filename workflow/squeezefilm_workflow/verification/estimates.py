@@ -41,6 +41,7 @@ ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, float]] = {
     "DEFAULT_CONVERGENCE_RATIO": (error_estimate, 0.0),
     "THIN_LAYER_CONVERGENCE_RATIO": (resolution, 0.0),
     "ERRATIC_CONVERGENCE_SIGMA": (resolution, float("inf")),
+    "ERRATIC_VELOCITY_SIGMA": (resolution, float("inf")),
     "VELOCITY_CHANGE_SIZE_FRACTION": (error_estimate, 0.0),
     "RESOLVED_MODES_FRACTION": (error_estimate, 0.0),
     "UNRESOLVED_CHANGE_FRACTION": (error_estimate, 0.0),
@@ -336,7 +337,7 @@ class RecordedGrids:
                 scenes=scenes,
                 terms=kinds[int(of_kind)],
                 of_profile=self.grid_table["of_profile"].to_numpy()[at],
-                least=min_convergence_ratio(scenes),
+                least=min_convergence_ratio(scenes, kinds[int(of_kind)]),
                 tolerance=float(tolerance),
             )
         return error, allowed

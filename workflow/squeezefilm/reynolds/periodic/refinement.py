@@ -136,7 +136,7 @@ class Refinement:
             scenes=batch.scenes,
             terms=terms,
             of_profile=profile_error_ratio(self.plan, *nodes, tolerance=self.tolerance, rows=at),
-            least=min_convergence_ratio(batch.scenes),
+            least=min_convergence_ratio(batch.scenes, terms),
             tolerance=self.tolerance,
         )
         if len(grids) == 1:  # a single grid tells no error
