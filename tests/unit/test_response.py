@@ -15,7 +15,7 @@ ONE = ["response", "--h0", "5um", "--hv", "2.2um"]
 def test_one_scene_is_told_in_words_and_a_table(capsys):
     assert main([*ONE, "--frequencies", "100Hz,1kHz"]) == 0
     told = dict(re.split("  +", line) for line in capsys.readouterr().out.splitlines())
-    assert [told[f"{k} gain"] for k in ("static", "instantaneous")] == ["2.17", "1.32"]
+    assert [told[f"{k} gain"] for k in ("static", "instantaneous")] == ["2.1668 ± 0.0032", "1.32"]
     assert told["gains"].startswith("frequency 100 Hz, gain 2.13, phase -4.09 °")
 
 

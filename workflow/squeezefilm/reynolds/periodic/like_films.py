@@ -15,6 +15,7 @@ import numpy as np
 
 from squeezefilm.errors import apply_with_bisection
 from squeezefilm.film.scene import Scenes, equal_row_groups
+from squeezefilm.parallel import track_progress
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
     THIN_LAYER_CONVERGENCE_RATIO,
@@ -117,12 +118,15 @@ def films_on_grids_of(
         for batch in _batches_on_grids_of(plan, scenes, rows, **how):
             queued.setdefault((batch.grids, batch.terms, batch.aspect), []).append(batch)
         try:
-            while queued:
-                batches = take_launch_batches(queued, most=MAX_SCENES_PER_LAUNCH)
-                launched = launch(batches, device=device)
-                for batch, stages in zip(batches, launched.wait_for_states(device), strict=True):
-                    found |= _films_of_batch(batch, stages[-2:], keep_states=keep_states)
-                device.recycle_arrays(*launched.pooled_host_arrays)
+            with track_progress(len(rows), unit="scene", name="periodic states") as progress:
+                while queued:
+                    batches = take_launch_batches(queued, most=MAX_SCENES_PER_LAUNCH)
+                    launched = launch(batches, device=device)
+                    states = launched.wait_for_states(device)
+                    for batch, stages in zip(batches, states, strict=True):
+                        found |= _films_of_batch(batch, stages[-2:], keep_states=keep_states)
+                        progress.update(len(batch.scene_rows))
+                    device.recycle_arrays(*launched.pooled_host_arrays)
         except Exception:
             device.queue.finish()  # kernels under way write into arrays that this sets free
             raise
