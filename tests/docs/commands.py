@@ -74,7 +74,7 @@ BY_HAND = {
     ),
     "squeezefilm-verification random-studies --coverage --studies 15 --fresh 2000 --seed 1 "
     "--output TABLE.csv": "about an hour",
-    "squeezefilm-verification modelling-errors --films 60 --output TABLE.csv": (
+    "squeezefilm-verification modelling-errors --films 120 --output TABLE.csv": (
         "ten minutes; some of these films are a test"
     ),
     "squeezefilm-verification auto-terms --films 200 --output TABLE.csv": "an hour",
