@@ -60,7 +60,7 @@ small film in `overview` makes 0.2 and is not seen, nor is one that others hide.
 PIXEL_RMS_LABEL = "RMS of the pixels"
 _NUMBER_PATTERN = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−+]?\d+)?")
 
-MAX_SAMPLED_ROWS = 25
+MAX_SAMPLED_ROWS = 100
 """Rows of a table that a reference keeps; least, mean and largest stand for the others."""
 MAX_FORCES_ALL_KEPT = 100
 """Forces of a plan of which a reference keeps every one: of the screen and the positions."""

@@ -78,9 +78,12 @@ def _draw_errors(axes: Axes, data: pd.DataFrame) -> None:
     for gap, colour in zip(gaps, colours, strict=True):
         line = data[data["h0_um"] == gap].sort_values(x)
         axes.plot(line[x], line[y], color=colour, label=f"{gap:g}", zorder=2)
-    look: dict[str, Any] = {"markersize": 3.6, "markeredgewidth": 0.6, "clip_on": True, "zorder": 3}
-    for inside, fill in ((True, "white"), (False, "black")):
-        parts.draw_dots(axes, data[data["in_band"] == inside], x=x, y=y, fill=fill, **look)
+    look: dict[str, Any] = {"clip_on": True, "zorder": 3}
+    # White dots upon one another must not look black.
+    for inside, fill, size, edge in ((True, "white", 3.0, "0.5"), (False, "black", 3.6, "black")):
+        dots = {"markersize": size, "markeredgecolor": edge, "markeredgewidth": 0.4}
+        rows = data[data["in_band"] == inside]
+        parts.draw_dots(axes, rows, x=x, y=y, fill=fill, **look, **dots)
     reach = max(1.25 * band, 1.1 * data[y].abs().max())
     axes.set(
         ylim=(-reach, reach),
