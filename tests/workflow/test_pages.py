@@ -259,7 +259,7 @@ def test_the_explorer_opens_with_the_model_that_the_study_recommends(study, repo
     fits = json.loads(re.search(r'id="data">(.*?)</script>', page)[1])["fits"]
     names = ["limit_2 on four_factor", "limit_1 on two_factor", "screen"]
     assert [each["name"] for each in fits] == names
-    assert "effects of the error budget add −0.09…+0.61 % (h0 = 5 µm) to " in page
+    assert "effects of the error budget add −0.07…+0.61 % (h0 = 5 µm) to " in page
     assert [each["label"].endswith(", recommended") for each in fits] == [True, True, False]
 
 

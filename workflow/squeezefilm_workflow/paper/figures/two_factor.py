@@ -80,8 +80,8 @@ def _draw_errors(axes: Axes, data: pd.DataFrame) -> None:
         axes.plot(line[x], line[y], color=colour, label=f"{gap:g}", zorder=2)
     look: dict[str, Any] = {"clip_on": True, "zorder": 3}
     # White dots upon one another must not look black.
-    for inside, fill, size, edge in ((True, "white", 3.0, "0.5"), (False, "black", 3.6, "black")):
-        dots = {"markersize": size, "markeredgecolor": edge, "markeredgewidth": 0.4}
+    for inside, fill, size, rim in ((True, "white", 3.0, "0.5"), (False, "black", 3.6, "black")):
+        dots = {"markersize": size, "markeredgecolor": rim, "markeredgewidth": 0.4}
         rows = data[data["in_band"] == inside]
         parts.draw_dots(axes, rows, x=x, y=y, fill=fill, **look, **dots)
     reach = max(1.25 * band, 1.1 * data[y].abs().max())
