@@ -47,6 +47,7 @@ from squeezefilm.film.measured.columns import (
     ScanColumn,
     header_columns,
     remedies_of_unused_columns,
+    remedy_of_unknown_places,
     scan_column_of_cell,
     select_columns,
     unit_problems,
@@ -133,6 +134,8 @@ def read_point_table(
             beside += "".join(
                 f"; {remedy}" for remedy in remedies_of_unused_columns(header, columns.values())
             )
+        if not {*COORDINATE_UNITS} & columns.keys():
+            beside += remedy_of_unknown_places(header)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         elsewhere, second = (
             _columns_of_second_table(lines, first, separator, columns)
@@ -198,6 +201,8 @@ def read_point_table(
     table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
     if _has_component_sign(columns, table):
         table["sign"] = 1.0
+        name = columns["amplitude"].name
+        notes.append(f"{name!r}, a component, has one sign everywhere: no node line")
     if frequency_hz is None:
         return table, lacking.tolist(), notes
     table, chosen = one_row_per_position(
@@ -217,7 +222,11 @@ def read_point_table(
                 f"{column.name!r} times {column.amplitude_factor:.4g}, a harmonic motion's "
                 f"amplitude"
             )
-    return table, lacking.tolist(), [*notes, *missing_points_note(lacking.tolist(), what="line")]
+    in_arrays = path.suffix.lower() in ARRAY_SUFFIXES  # whose names are the first line
+    missing = missing_points_note(
+        (lacking - in_arrays).tolist(), what="row" if in_arrays else "line"
+    )
+    return table, lacking.tolist(), [*notes, *missing]
 
 
 def _columns_of_second_table(
@@ -266,9 +275,11 @@ def _has_component_sign(
     columns: Mapping[str, ScanColumn], values: Mapping[str, pd.Series] | pd.DataFrame
 ) -> bool:
     """Tell whether amplitudes are a vector's component, all of one sign and far from a node."""
-    if not ("amplitude" in columns and columns["amplitude"].is_signed) or "sign" in columns:
+    if not ("amplitude" in columns and columns["amplitude"].is_signed):
         return False
     amplitude = values["amplitude"]
+    if {"sign", "phase", "imaginary"} & {*columns} or np.iscomplexobj(amplitude):
+        return False
     return bool(amplitude.min() > MIN_COMPONENT_RATIO * amplitude.max())
 
 
@@ -368,5 +379,8 @@ def _table_cells(
             raise InputError(
                 f"line {number}: {len(cells)} cells where the header has {names}{hint}"
             )
-    notes = [f"lines beside the rows ignored: {list_text(beside)}"] * bool(beside)
+    many = "s" * (len(beside) > 1)
+    notes = [
+        f"{len(beside)} line{many} beside the rows ignored (line{many} {list_text(beside)})"
+    ] * bool(beside)
     return pd.DataFrame(list(rows.values()), list(rows), range(names), dtype=object), notes
