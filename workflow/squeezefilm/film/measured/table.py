@@ -178,7 +178,7 @@ def read_point_table(
     notes += joined
     cells, beside_rows = _table_cells(lines, first, separator, names=len(header), needed=needed)
     above = sum(bool(line.strip()) and not COMMENT_PATTERN.match(line) for line in lines[:index])
-    notes += [f"{above} lines before the header ignored"] * bool(above)
+    notes += [f"{above} line{'s' * (above > 1)} before the header ignored"] * bool(above)
     uncertain = any(map(UNCERTAINTY_PATTERN.search, lines[first:]))
     notes += ["uncertainties behind ± ignored"] * uncertain
     notes += [*at_frequency, *beside_rows]
