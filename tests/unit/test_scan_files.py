@@ -265,6 +265,11 @@ def read(path: Path, content: str, **how: Any) -> Scan:
     return read_scan(path, frequency_hz=FREQUENCY_HZ, **how)
 
 
+def write(path: Path, content: str) -> Path:
+    path.write_text(content, encoding="utf-8")
+    return path
+
+
 def notes(path: Path, content: str) -> str:
     path.write_text(content, encoding="utf-8")
     return "; ".join(read_scan(path, frequency_hz=FREQUENCY_HZ).notes)
@@ -279,7 +284,7 @@ def test_what_is_ignored_is_noted(tmp_path):
     assert "divided by the angular frequency" in notes(path, FORMS["velocity"].decode())
     last = len(PLAIN.splitlines())
     below = notes(path, FORMS["lines below the rows"].decode())
-    assert below == f"lines beside the rows ignored: {last + 2}, {last + 3}"
+    assert below == f"2 lines beside the rows ignored (lines {last + 2}, {last + 3})"
     assert "times 1.414" in notes(path, FORMS["effective values"].decode())
 
 
@@ -403,6 +408,8 @@ def test_sign_level_and_status_are_known_in_eight_languages(language, tmp_path):
         ("Judge", "GO", "--"),
         ("Validité", "oui", "non"),
         ("状態", "良", "不良"),
+        ("状态", "正常", "超量程"),
+        ("vtkValidPointMask", "1", "0"),
     ],
 )
 def test_rows_that_a_status_calls_invalid_are_excluded(name, good, bad, tmp_path):
@@ -576,6 +583,10 @@ def test_too_few_points_are_named_with_what_else_there_is(tmp_path):
     [
         ("$MeshFormat\n2.2 0 8\n", "x_mm, y_mm, uz_mm"),
         ("Zygo XYZ Data File - Format 1\n0 0 1.2\n", "as a table: x_mm, y_mm, amplitude_um"),
+        (
+            "aBCR-1.0\nManufacID = X\nNumPoints = 9\n*\n1 2\n",
+            r"ISO 25178-71.*its first row at the la",
+        ),
         ("    1C\n    1UPGM  CalculiX\n", "x_mm, y_mm, uz_mm"),
         ("# vtk DataFile Version 3.0\nmode\nASCII\n", r"add units to its header: Points:0 \[m\]"),
     ],
@@ -725,9 +736,135 @@ def test_a_component_beside_a_magnitude_has_its_sign(tmp_path):
     path = tmp_path / "scan.csv"
     assert read(path, text(header.format("u"), *columns)).has_phase_or_sign
     assert not read(path, text(header.format("u_amplitude"), *columns)).has_phase_or_sign
-    assert not read(path, text("u:2 [um],v:Magnitude,x_mm,y_mm", *columns)).has_phase_or_sign
     assert not read(path, text(header.format("u"), *rectified)).has_phase_or_sign
     same(read(path, text(header.format("u"), U, *rectified[1:])))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("u:2 [um]", "UZ [um]", "w (um)", "u_z [um]", "displacement:2 [um]", "W[um]"),
+        *("Directional Deformation (um)", "Richtungsverformung (um)", "v_z [mm/s]"),
+    ],
+)
+def test_a_component_of_one_sign_has_its_sign(name, tmp_path):
+    """The face of a horn was refused; near a node line, and of few points, it still is."""
+    path, raised = tmp_path / "scan.csv", U + 1.5
+    scan = read(path, text(f"x_mm,y_mm,{name}", X, Y, raised))
+    assert scan.has_phase_or_sign
+    assert scan.amplitude_m.real.min() > 0
+    assert any("a component, has one sign everywhere" in note for note in scan.notes)
+    assert not read(path, text(f"x_mm,y_mm,{name}", X, Y, abs(U))).has_phase_or_sign
+    few = text(f"x_mm,y_mm,{name}", X[:60], Y[:60], raised[:60])
+    assert not read(path, few).has_phase_or_sign
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("amplitude_um", "uAmpZ (um)", "Amplitude Z [um]", "abs(w) (um)", "UZ RMS [um]"),
+        *("UZ [um pk]", "UZ [um p-p]", "displacement_um", "UZ [dB re 1 um]"),
+    ],
+)
+def test_an_amplitude_of_one_sign_is_in_doubt(name, tmp_path):
+    content = text(f"x_mm,y_mm,{name}", X, Y, U + 1.5)
+    with pytest.raises(InputError, match="no phase and no sign"):
+        smoothed_scan(write(tmp_path / "scan.csv", content), FREE_SHAPE, Disc(RADIUS_M))
+
+
+def test_sides_of_a_surface_are_told_by_no_amplitude_below_zero(tmp_path):
+    path = write(tmp_path / "scan.csv", text("x_mm,y_mm,displacement_um", X, Y, U + 1.5))
+    said = smoothed_scan(path, ScanFile("scan.csv", sign="unknown"), Disc(RADIUS_M)).warnings
+    assert any("has no phase and no amplitude below zero" in note for note in said)
+
+
+def test_displacements_in_the_plane_are_no_places(tmp_path):
+    """u_x and u_y were, so that they were twice."""
+    content = text("x_mm,y_mm,u_x [um],u_y [um],u_z [um]", X, Y, 0 * X + 3, 0 * X, U)
+    same(read(tmp_path / "scan.csv", content))
+
+
+def labview(names: str, unit_line: str = "", first: str = "") -> str:
+    """LabVIEW's file with its own first column empty."""
+    cells = (f"{first}\t{x:.9g}\t{y:.9g}\t{u:.9g}\n" for x, y, u in zip(X, Y, U, strict=True))
+    head = "X_Columns\tNo\n***End_of_Header***\n" + unit_line
+    return f"{head}X_Dimension\tTime\tTime\tTime\n***End_of_Header***\nX_Value\t{names}\n" + (
+        "".join(cells)
+    )
+
+
+def test_the_first_column_of_labview_is_no_place(tmp_path):
+    """X_Value was asked for its unit where places were not understood."""
+    path = tmp_path / "scan.lvm"
+    units = "Y_Unit_Label\tmm\tmm\tum\n"
+    same(read(path, labview("Tisch X\tTisch Y\tAmplitude", units)))
+    same(read(path, labview("Tisch X [mm]\tTisch Y [mm]\tAmplitude [um]", first="0.1")))
+    message = r"'X_Value', 'Qx X .*; call 'Qx X \[mm\]', 'Qy Y \[mm\]' x_mm, y_mm if the place$"
+    with pytest.raises(InputError, match=message):
+        read(path, labview("Qx X\tQy Y\tAmplitude", units))
+    with pytest.raises(InputError, match=r"call 'LaserX_mm_' x_mm if the place"):
+        read(path, text("LaserX_mm_,uz_um", X, U))
+
+
+def test_names_that_matlab_joins_are_read(tmp_path):
+    same(read(tmp_path / "scan.csv", with_header("StageX_mm_,StageY_mm_,Amp_um_,Phase_deg_")))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Level (dB re 1e-9 m/s, RMS)",
+        "Level (dB re 1e-9 m/s RMS)",
+        "Velocity level (dB re 1e-9 m/s, RMS)",
+    ],
+)
+def test_decibels_of_effective_values_are_read(name, tmp_path):
+    level = CELLS["level_re_nm_s"] - 20 * np.log10(np.sqrt(2))
+    same(
+        read(
+            tmp_path / "scan.csv",
+            text(f"x_mm;y_mm;{name};phase_deg", X, Y, level, PHASE, separator=";"),
+        )
+    )
+
+
+def test_a_value_is_proposed_before_a_coordinate(tmp_path):
+    """Z-Position was to be called the amplitude."""
+    content = text("x_mm,y_mm,Z-Position (mm),Ausschlag (mm)", X, Y, 0 * X + 5, U)
+    with pytest.raises(InputError, match=r"call 'Ausschlag \(mm\)' amplitude_um") as refusal:
+        read(tmp_path / "scan.csv", content)
+    assert "call 'Z-Position" not in str(refusal.value)
+
+
+OCTAVE = "# Created by Octave 8.4.0\n# name: xyw\n# type: matrix\n# rows: 9\n# columns: 3\n"
+
+
+def test_a_matrix_of_octave_needs_names(tmp_path):
+    """It was called several variables, and refused with names, too."""
+    path, names, rows = tmp_path / "scan.txt", "x_mm y_mm uz_um", text("", X, Y, U, separator=" ")
+    with pytest.raises(InputError, match="one matrix without names; add a line above its numbers"):
+        read(path, OCTAVE + rows[1:])
+    same(read(path, OCTAVE + names + rows))
+    with pytest.raises(InputError, match="variables that Octave saved, one below the other"):
+        read(path, OCTAVE.replace("columns: 3", "columns: 1") + "1\n2\n")
+
+
+@pytest.mark.parametrize("others", [[], [41.2]])
+def test_a_frequency_without_its_unit_is_asked_for_it(others, tmp_path):
+    names = [f"w (um) @ freq={each}" for each in [43.27, *others]]
+    content = text(",".join(["x_mm", "y_mm", *names]), X, Y, *([U] * len(names)))
+    with pytest.raises(InputError, match=r"write the unit: @ freq=43\.27 kHz$"):
+        read(tmp_path / "scan.csv", content)
+
+
+def test_rows_that_vic_3d_did_not_correlate_are_excluded(tmp_path):
+    sigma = np.where(np.arange(len(X)) % 7 == 3, -1.0, 0.012)
+    names, w = "X[mm],Y[mm],W[mm],sigma[pixel]", np.where(sigma < 0, 0, U / 1e3)
+    scan = read(tmp_path / "scan.csv", text(names, X, Y, w, sigma))
+    assert len(scan.x_m) == (sigma > 0).sum()
+    assert f"{(sigma < 0).sum()} rows invalid by column 'sigma[pixel]'" in "; ".join(scan.notes)
+    stress = read(tmp_path / "scan.csv", text("x_mm,y_mm,uz_um,sigma", X, Y, U, -2 + 0 * X))
+    same(stress)
 
 
 def test_a_matrix_with_its_size_is_read(tmp_path):
@@ -1036,6 +1173,13 @@ def test_named_arrays_are_a_table(ending, tmp_path):
     same(read_scan(path, frequency_hz=FREQUENCY_HZ))
 
 
+def test_rows_of_arrays_are_counted_without_their_names(tmp_path):
+    measured = np.where(np.arange(len(X)) == 4, np.nan, U)
+    savemat(tmp_path / "scan.mat", {"x_mm": X, "y_mm": Y, "uz_um": measured})
+    scan = read_scan(tmp_path / "scan.mat", frequency_hz=FREQUENCY_HZ)
+    assert scan.notes[-1].endswith("(row 5)")
+
+
 @pytest.mark.parametrize(
     ("name", "start", "message"),
     [
@@ -1150,7 +1294,9 @@ def test_a_universal_file_that_says_something_else_is_refused(tmp_path, changes,
         read_scan(path, frequency_hz=FREQUENCY_HZ)
 
 
-@pytest.mark.parametrize("nothing", ["nan", "", "nan+nanj", "NaN + NaNi", "-nan(ind)", "#WERT!"])
+@pytest.mark.parametrize(
+    "nothing", ["nan", "", "nan+nanj", "NaN + NaNi", "-nan(ind)", "#WERT!", "missing"]
+)
 def test_points_without_an_amplitude_are_named_and_move_nothing(tmp_path, nothing):
     """Profile and noise are those of the scan without these rows; `simulate` has the note."""
     x, y, u = points(noise=0.02)

@@ -19,7 +19,7 @@ PAIR_PATTERN = re.compile(r"\(\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*\)")
 """A complex number as C++, Fortran and Octave write it: ``(1.2,-0.3)``."""
 IMAGINARY_UNIT_PATTERN = re.compile(r"\*?(?:[ijI]|im)$")
 MISSING_PATTERN = re.compile(
-    r"|-|--|na|n\.?/?a\.?|k\.a\.|n\.\s?[bdemv]\.?|o\.r\.|null|none|not available"
+    r"|-|--|na|n\.?/?a\.?|k\.a\.|n\.\s?[bdemv]\.?|o\.r\.|null|none|missing|not available"
     r"|#(?:n/a|nv|n/d|div/0!|value!|wert!|valeur!)"
     r"|(?:.*[-+( ])?nan(?:\(\w*\))?(?:\s*[-+].*|\*?[ij])?\)?|-?1\.#\w+",
     re.IGNORECASE,

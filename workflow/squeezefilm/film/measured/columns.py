@@ -55,7 +55,7 @@ UNITS_OF_QUANTITY = UNITS_OF_SCAN_QUANTITY | {
     "frequency": FREQUENCY_UNITS_HZ,
     "time": unit_sizes("s"),
 }
-ROW_STATUS_QUANTITIES = ("status", "valid", "invalid")
+ROW_STATUS_QUANTITIES = ("status", "valid", "invalid", "uncertain")
 UNITS_OF_QUANTITY |= {
     "line": LENGTH_UNITS_M,
     "height": LENGTH_UNITS_M,
@@ -93,10 +93,14 @@ AMPLITUDE_SYMBOL_PATTERN = re.compile(r"\A\s*[Aa](?=[\s_/\[(])")
 """An amplitude's symbol before its unit: ``A / µm``."""
 VOLTS_PATTERN = re.compile(r"[\s_/\[(][mµ\u03bcun]?V(?: ?rms)?[\])]?\s*$", re.IGNORECASE)
 RMS_OR_PEAK_UNIT_PATTERN = re.compile(
-    r"\s*([\[(][^\[\]()]+?)[\s_(]+(rms|eff|pk-?pk|p-?p|s-?s|0-?pk?|peak|pk)\)?([\])])$",
+    r"\s*([\[(][^\[\]()]+?)[\s_(,;]+(rms|eff|pk-?pk|p-?p|s-?s|0-?pk?|peak|pk)\)?([\])])$",
     re.IGNORECASE,
 )
 """An effective value or an extent that stands behind the unit: ``[mm/s RMS]``, ``(um p-p)``."""
+AXIS_BEHIND_WORD_PATTERN = re.compile(r"(?<=[a-z]{3})(?=[XY](?:[\W_]|$))")
+"""Where MATLAB leaves out a blank: ``StageX_mm_``."""
+LABVIEW_X_NAME = "X_Value"
+"""LabVIEW's first column, of times or empty, which is no place."""
 
 _WORDS_CSV_ROWS = csv.reader(
     read_text(Path(__file__).with_name("words.csv"), what="list of words").splitlines()[1:]
@@ -121,6 +125,12 @@ AMPLITUDE_FACTOR_OF_WORDS = [
     for kind, ratio in AMPLITUDE_FACTORS.items()
     for words in WORDS_OF_MEANING[kind]
 ]
+# What tells that a motion is a component, which has a sign, and that it is none.
+COMPONENT_NAMES = {
+    *("directional", "gerichtete", "richtungsverformung", "directionnelle", "direccional"),
+    *("direzionale", "方向変形"),
+}
+UNSIGNED_WORDS = {*WORDS_OF_MEANING["amplitude"], "uampz", "peak", "pk", "0p", "max", "total"}
 
 
 @dataclass(frozen=True)
@@ -169,8 +179,11 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
         frozenset(core)
     ):
         return quantity
-    if quantity := QUANTITY_OF_WORDS.get(frozenset(core - COMPONENT_WORDS)):
-        return quantity
+    if core & COMPONENT_WORDS and (rest := frozenset(core - COMPONENT_WORDS)) in QUANTITY_OF_WORDS:
+        quantity = QUANTITY_OF_WORDS[rest]
+        if quantity == "height":
+            return "normal"
+        return quantity if quantity not in COORDINATE_UNITS else None
     means = {*WORDS_OF_MEANING["mean"]}
     if core & means and QUANTITY_OF_WORDS.get(frozenset(core - means)) == "amplitude":
         return "mean"
@@ -191,6 +204,7 @@ def scan_column_of_cell(name: str, column_index: int = 0) -> ScanColumn | None:
         return None
     cell = OVER_DRIVE_PATTERN.sub("", FREQUENCY_IN_NAME_PATTERN.sub("", name))
     cell = RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", cell)
+    cell = AXIS_BEHIND_WORD_PATTERN.sub(" ", cell)
     for words, unit in possible_words_and_units(cell, ALL_UNITS):
         words, ratio = _split_amplitude_factor(words)
         quantity = quantity_of_words(words)
@@ -228,15 +242,18 @@ def _split_amplitude_factor(words: list[str]) -> tuple[list[str], float]:
         for at in range(len(words)):
             if words[at : at + len(named)] == named:
                 rest = [*words[:at], *words[at + len(named) :]]
-                return rest + ["amplitude"] * (
-                    not {*rest} & {*WORDS_OF_MEANING["amplitude"]}
-                ), ratio
+                named_motion = {*WORDS_OF_MEANING["amplitude"], *WORDS_OF_MEANING["level"]}
+                return rest + ["amplitude"] * (not {*rest} & named_motion), ratio
     return words, 1.0
 
 
 def header_columns(header: Sequence[str]) -> list[ScanColumn]:
     """The columns that a header names."""
-    return [column for at, name in enumerate(header) if (column := scan_column_of_cell(name, at))]
+    return [
+        column
+        for at, name in enumerate(header)
+        if (at or name != LABVIEW_X_NAME) and (column := scan_column_of_cell(name, at))
+    ]
 
 
 def select_columns(
@@ -257,8 +274,8 @@ def select_columns(
     if "normal" in {column.quantity for column in named}:
         named = [column for column in named if column.quantity != other]
     named = [
-        replace(column, quantity="amplitude", is_signed=_is_vector_component(column.name, header))
-        if column.quantity == "normal"
+        replace(column, quantity="amplitude", is_signed=_is_signed_component(column))
+        if column.quantity in ("normal", "amplitude")
         else column
         for column in named
     ]
@@ -267,14 +284,11 @@ def select_columns(
     named = [column for column in named if column.quantity in wanted]
     named, notes = _columns_at_frequency(named, frequency_hz)
     columns: dict[str, ScanColumn] = {}
-    for column in sorted(named, key=lambda each: (_is_labview_x_value(each), each.size is None)):
+    for column in sorted(named, key=lambda each: each.size is None):
         first = columns.setdefault(column.quantity, column)
         names = {re.sub(r"\d+", "", each.name.lower()) for each in (first, column)}
         mean = ", or write one column with their mean" * (len(names) == 1)
-        alike = _is_labview_x_value(first) == _is_labview_x_value(column) and (
-            column.size or not first.size
-        )
-        if first is not column and alike:
+        if first is not column and (column.size or not first.size):
             raise InputError(
                 f"the column {column.quantity!r} stands twice: {first.name!r} and "
                 f"{column.name!r}; leave one of them out{mean}"
@@ -282,21 +296,15 @@ def select_columns(
     return dict(sorted(columns.items(), key=lambda each: each[1].column_index)), notes
 
 
-def _is_vector_component(name: str, header: Sequence[str]) -> bool:
-    """Tell whether a column is z of a vector whose magnitude is another: ``u:2``, ``u_Magnitude``.
+def _is_signed_component(column: ScanColumn) -> bool:
+    """Tell whether a motion is a vector's component, which has a sign: ``u:2``, ``UZ``, ``w``.
 
-    A vector of amplitudes, by its name, has no signs.
+    An amplitude, by its name, has none.
     """
-    match = re.match(r"(.+)[:_]2(?!\d)", fold_accents(name))
-    if not match or {*re.split(r"[\W_]+", match[1])} & {*WORDS_OF_MEANING["amplitude"]}:
-        return False
-    magnitude = re.compile(re.escape(match[1]) + "[:_]magnitude")
-    return any(magnitude.match(fold_accents(other)) for other in header)
-
-
-def _is_labview_x_value(column: ScanColumn) -> bool:
-    """Tell whether a coordinate is LabVIEW's X_Value, which gives way to ``Pos X``."""
-    return column.quantity in COORDINATE_UNITS and "value" in column.name.lower()
+    words = {*re.split(r"[\W_]+", fold_accents(column.name))}
+    is_component = column.quantity == "normal" or words & COMPONENT_NAMES
+    is_size = column.in_decibels or column.amplitude_factor != 1 or words & UNSIGNED_WORDS
+    return bool(is_component and not is_size)
 
 
 def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> list[ScanColumn]:
@@ -363,7 +371,14 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         if each.quantity in ("x", "y")
         and (VOLTS_PATTERN.search(each.name) or OMEGA_POWER_OF_UNIT.get(each.unit))
     ]
+    known = {each.column_index for each in header_columns(header)}
+    unknown = [
+        name
+        for at, name in unused.items()
+        if at not in known and next(possible_words_and_units(name, ALL_UNITS))[1] in MOTION_UNITS
+    ]
     heights = [each.name for each in named if each.quantity == "height" and each.size]
+    values = heights if not unknown else unknown * (len(unknown) == 1)
     columns_by_stem: dict[str, list[str]] = {}
     for name in unused.values():
         stem = re.sub(r"\d+", "", name)
@@ -375,7 +390,7 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         f"call {list_text([*map(repr, lock_in)])} of a lock-in amplifier real_mm/s, imaginary_mm/s "
         "or the like (only the shape counts)"
     ] * bool(lock_in)
-    remedies += [f"call {name!r} amplitude_um if the vibration's amplitude" for name in heights]
+    remedies += [f"call {name!r} amplitude_um if the vibration's amplitude" for name in values]
     if len(repeated) > 1:
         unit = repeated[0][repeated[0].index("[") :]
         remedies.append(
@@ -383,6 +398,22 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
             f"or their mean, and call it amplitude {unit}"
         )
     return remedies
+
+
+def remedy_of_unknown_places(header: Sequence[str]) -> str:
+    """A remedy for a missing place, by columns that are not known and whose words have its axis."""
+    known = {each.column_index for each in header_columns(header)}
+    names = {
+        axis: repr(name)
+        for at, name in enumerate(header)
+        for axis in ("x", "y")
+        if at not in known and name != LABVIEW_X_NAME
+        if axis in re.split(r"[\W_]+", AXIS_BEHIND_WORD_PATTERN.sub(" ", name).lower())
+    }
+    if not names:
+        return ""
+    called = ", ".join(f"{axis}_mm" for axis in names)
+    return f"; call {', '.join(names.values())} {called} if the place"
 
 
 def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
@@ -457,14 +488,16 @@ def _columns_at_frequency(
     if frequency_hz is None or not len(lines_hz):
         return named, []
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
-    if far and several:
-        raise InputError(f"the columns' frequencies: {far}")
     of_model = any(AT_FREQUENCY_PATTERN.search(each.name) for each in named)
     most = MAX_MODE_DISTANCE_FRACTION if of_model else MAX_FREQUENCY_OFFSET_FRACTION
+    are_khz = of_model and bool(min(abs(1e3 * lines_hz / frequency_hz - 1)) <= most)
+    in_khz = f"; if they are in kHz, write the unit: @ freq={lines_hz[0]:.7g} kHz" * are_khz
+    if far and several:
+        raise InputError(f"the columns' frequencies: {far}{in_khz}")
     if abs(line_hz / frequency_hz - 1) > most:
         raise InputError(
             f"the columns are at {line_hz:.7g} Hz, and the actuator vibrates at "
-            f"{frequency_hz:.7g} Hz (actuator.frequency)"
+            f"{frequency_hz:.7g} Hz (actuator.frequency){in_khz}"
         )
     kept = [each for each in named if each.frequency_hz in (None, line_hz)]
     return kept, [f"columns at {line_hz:.7g} Hz"]

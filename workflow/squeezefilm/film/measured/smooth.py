@@ -63,8 +63,8 @@ PEAK_BIAS_DRAW_COUNT, PEAK_BIAS_SEED = 200, 1
 # A place may be the largest if it is lower by no more than this many standard errors.
 RIVAL_PEAK_STANDARD_ERRORS = 2.0
 UNSIGNED_WARNING = (
-    "the scan has no phase or sign: all amplitudes are taken to one side, and over a node line the "
-    "force is that of another surface, which no error here contains"
+    "the scan has no phase and no amplitude below zero: all amplitudes are taken to one side, and "
+    "over a node line the force is that of another surface, which no error here contains"
 )
 
 

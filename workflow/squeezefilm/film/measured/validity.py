@@ -29,8 +29,12 @@ def valid_rows(
             continue
         values = cells[column.column_index].map(fold_accents)
         numbers = parse_numbers(values)
+        if column.quantity == "uncertain":  # -1 marks points that VIC-3D did not correlate
+            if numbers.isna().any() or {*numbers[numbers < 0]} != {-1.0}:
+                continue
+            values = numbers.lt(0).map({True: "invalid", False: "valid"})
         codes = values.nunique() <= MAX_STATUS_CODES and bool((numbers % 1 == 0).all())
-        if numbers.notna().all() and not codes:  # a measured quality
+        if column.quantity != "uncertain" and numbers.notna().all() and not codes:  # a quality
             continue
         good, bad = {*WORDS_OF_MEANING["good"]}, {*WORDS_OF_MEANING["bad"]}
         if column.quantity == "valid":
