@@ -20,7 +20,7 @@ FILES = ("Makefile", "README.md", "LICENSE", "docs")
 OF_THE_ENVIRONMENT = ("pyproject.toml", "requirements.lock", "requirements-dev.lock")
 PACKAGES = Path(sysconfig.get_path("purelib"))
 LONGEST_S = 1200
-TAIL = 3000
+TAIL = 10_000
 ASSIGNMENT = re.compile(r"([A-Z]+)=(\S+)")
 OWN_STUDIES = re.compile(r"\bmy-|plate|\bFIT\b")
 # What a study says of sizes; a default is for results that count.
