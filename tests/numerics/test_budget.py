@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 from math import isnan
 from unittest.mock import Mock
@@ -193,3 +194,13 @@ def test_a_total_that_is_unknown_has_a_reason() -> None:
     assert budget_row(ErrorBudget(known, 1.5))["unknown_effects"] == "all effects together"
     without_inertia = ErrorBudget(known | {"inertia": Effect(float("nan"))}, 1.5)
     assert without_inertia.unknown_effect_names == ["inertia"]
+
+
+@pytest.mark.parametrize(("error", "raised"), [(AttributeError, True), (MemoryError, False)])
+def test_a_fault_of_the_code_is_no_unknown_effect(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, error: type[Exception], raised: bool
+) -> None:
+    monkeypatch.setattr(like_films, "_films_of_batch", Mock(side_effect=error))
+    with pytest.raises(error) if raised else nullcontext():
+        (found,) = error_budgets([scene])
+        assert found.status != "ok" or found.unknown_effect_names

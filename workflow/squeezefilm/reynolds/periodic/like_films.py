@@ -15,6 +15,7 @@ import numpy as np
 
 from squeezefilm.errors import apply_with_bisection
 from squeezefilm.film.scene import Scenes, equal_row_groups
+from squeezefilm.lazy import cl
 from squeezefilm.parallel import track_progress
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import (
@@ -132,8 +133,14 @@ def films_on_grids_of(
             raise
         return [found.get(row) for row in rows.tolist()]
 
-    solved = apply_with_bisection(solve_rows, np.array(rows), failed=lambda error: None)
+    solved = apply_with_bisection(solve_rows, np.array(rows), failed=_no_film_on_device)
     return {row: film for row, film in zip(rows, solved, strict=True) if film}
+
+
+def _no_film_on_device(error: Exception) -> None:
+    """Leave a film unknown that the device has no room for; any other error is a fault."""
+    if not isinstance(error, cl.Error | MemoryError):
+        raise error
 
 
 def _batches_on_grids_of(
