@@ -116,7 +116,7 @@ test-install: $(VENV)/.dev
 # Not in .ci/run: minutes of installation. FRESH=quick is its short form.
 test-fresh: $(VENV)/.dev
 	@command -v mmdebstrap >/dev/null || $(call debian,mmdebstrap)
-	$(RUN) pytest -s --durations=0 tests/fresh $(if $(FRESH),-k $(FRESH))
+	$(RUN) pytest -s -o faulthandler_timeout=7200 --durations=0 tests/fresh $(if $(FRESH),-k $(FRESH))
 
 # Warnings are errors: a link that leads nowhere is one.
 docs: $(VENV)/.dev

@@ -1,5 +1,7 @@
 """Work-groups of a graphics processor's size, on the processor at hand: the stored forces."""
 
+from collections.abc import Iterator
+
 import pandas as pd
 import pytest
 from films import SINC, film
@@ -15,12 +17,21 @@ from squeezefilm.reynolds.periodic.launch import solve_batch
 COMPILED = ("slip", "fukui-kaneko, polytropic", "any gap, wide and narrow", "ellipse, sliding")
 
 
+@pytest.fixture
+def terms_compiled_alone(monkeypatch) -> Iterator[None]:
+    """A film's program without the terms that share it, whichever was asked for before."""
+    monkeypatch.setattr(terms, "COMPILED_TOGETHER_TERMS", ())
+    terms.compiled_terms.cache_clear()
+    yield
+    terms.compiled_terms.cache_clear()
+
+
+@pytest.mark.usefixtures("terms_compiled_alone")
 def test_large_work_groups_give_the_stored_forces(monkeypatch) -> None:
     """Of as many items as a graphics processor is given."""
     monkeypatch.setenv("PYOPENCL_BUILD_OPTIONS", "-cl-opt-disable")
     films = {name: self_test.test_cases()[name] for name in COMPILED}
     monkeypatch.setattr(self_test, "test_cases", lambda: films)
-    monkeypatch.setattr(terms, "COMPILED_TOGETHER_TERMS", ())
     stored = pd.read_csv(self_test.STORED_FORCES_PATH, index_col="film")["mean_overpressure"][
         list(films)
     ]
