@@ -104,6 +104,8 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
         hint = f"; did you mean {close!r}?" if close else ""
         return f"{where}: {wrong!r} is none of {allowed_values_text(part)}{hint}"
     value = reprlib.repr(wrong)
+    if "const" in part and "description" in part:
+        return f"{where}: {value} is not `{part['const']}`; {part['description']}"
     text = f"{where}: {value} {error['msg'].partition(' ')[2]}"
     if kind in TEXT_ERROR_TYPES and "description" in part:
         return f"{text}; it is the {part['description']}"
