@@ -8,7 +8,8 @@ import pytest
 
 from squeezefilm.api.film import Film
 from squeezefilm.cli import main as cli
-from squeezefilm.config.loading import load_config, study_notes
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.notes import study_notes
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.studies.plans import plan_scenes_table

@@ -19,7 +19,7 @@ from squeezefilm.config.keys import (
     schema_of_key,
     unit_of_schema,
 )
-from squeezefilm.config.loading import unit_notes_of_value
+from squeezefilm.config.notes import unit_notes_of_value
 from squeezefilm.sections import KeyPath, key_of_name
 from squeezefilm.units import (
     NUMBER_PATTERN,

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.columns import COLUMNS
-from squeezefilm.config.loading import differences_from_paper
+from squeezefilm.config.notes import differences_from_paper
 from squeezefilm.film.pad import net_points_on_pad
 from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
 from squeezefilm.film.scene import Gas
