@@ -539,9 +539,9 @@ def read_columns(
     return table
 
 
-def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str] = ()) -> None:
+def write_table(table: pd.DataFrame, path: Path | str) -> None:
     """Write a table as ``table_writer`` does."""
-    with table_writer(path, given=given) as write:
+    with table_writer(path) as write:
         write(table)
 
 
@@ -572,15 +572,10 @@ def checked_table_path(path: Path | str) -> str:
 
 
 @contextmanager
-def table_writer(
-    path: Path | str, *, given: Collection[str] = ()
-) -> Iterator[Callable[[pd.DataFrame], None]]:
+def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
     """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
 
     All pieces have the columns of the first one. CSV comes with full double precision.
-
-    Args:
-        given: columns of the user's own.
 
     Raises InputError for a name that says that something else is in the file, ValueError for a
     column without a meaning in columns.csv.
@@ -589,7 +584,7 @@ def table_writer(
     pieces = _parquet_writer if path.suffix == PARQUET_SUFFIX else _csv_writer
 
     def write(piece: pd.DataFrame) -> None:
-        if unknown := unregistered_columns({*piece} - {*given}):
+        if unknown := unregistered_columns(map(str, piece)):
             raise ValueError(f"{path}: columns.csv has no {', '.join(unknown)}")
         write_piece(piece)
 

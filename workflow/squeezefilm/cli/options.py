@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -159,31 +159,32 @@ def result_text(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
     return json_text(row) if getattr(options, "json", False) else result_lines_text(row)
 
 
-def write_or_print_rows(
-    table: pd.DataFrame, options: argparse.Namespace, *, given: Collection[str] = (), **about: str
-) -> None:
+def write_or_print_rows(table: pd.DataFrame, options: argparse.Namespace, **about: str) -> None:
     """Write a table to ``--output``, or print it: one row in lines, or as a JSON object.
 
     What is printed has no more digits than its error leaves.
 
     Args:
-        given: names of the user's own columns.
         about: what is known of all rows.
     """
     check_json_option(options, len(table))
     if options.output:
-        write_table(table, options.output, given=given)
+        write_table(table, options.output)
     elif len(table) == 1:
         print(result_text(table.to_dict("records")[0] | about, options))
         return
     else:
-        print_table(table)
+        print_table(table, **about)
+        return
     if about:
         print(result_lines_text(about))
 
 
-def print_table(table: pd.DataFrame) -> None:
-    """Print a table for people."""
+def print_table(table: pd.DataFrame, **about: str) -> None:
+    """Print a table for people, and below it what is known of all rows and notes on some.
+
+    Columns without content are not shown; rows have numbers where a note needs them.
+    """
     texts = table.copy()
     for name in map(str, table):
         errors = error_columns(name, table)
@@ -201,4 +202,16 @@ def print_table(table: pd.DataFrame) -> None:
             ]
         if name in ERROR_PERCENT_COLUMNS:
             texts[name] = table[name].map(error_text, na_action="ignore")
-    print(texts.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))
+    rows_of_note: dict[str, list[str]] = {}
+    for row, note in enumerate(texts.pop("note") if "note" in texts else (), start=1):
+        if note:
+            rows_of_note.setdefault(note, []).append(str(row))
+    notes = [
+        f"row{'s' * (len(rows) > 1)} {', '.join(rows)}: {note}"
+        for note, rows in rows_of_note.items()
+    ]
+    empty = [name for name in texts if texts[name].isin(["", None]).all()]
+    shown = texts.drop(columns=empty).set_index(pd.RangeIndex(1, len(texts) + 1))
+    print(shown.to_string(index=bool(notes), na_rep="", float_format=lambda value: f"{value:.4g}"))
+    if about or notes:
+        print(result_lines_text({**about, "note": notes}))
