@@ -235,7 +235,7 @@ def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsy
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"h0": "5", "hv": 1e-6}, "h0 '5' must be one number with its unit: m, mm, um, µm, nm"),
+        ({"h0": "5", "hv": 1e-6}, "h0 '5' must be a number with its unit: m, mm, um, µm, nm"),
         ({"h0": 5e-6, "hv": "1, 2 um"}, "one scene is asked for, not 2"),
         ({"h0": 5e-6, "hv": 5e-6}, "surface and pad touch"),
     ],

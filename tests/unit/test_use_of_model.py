@@ -226,10 +226,10 @@ def test_notes_on_rows_stand_below_their_table(write_fit, capsys):
     """Each row had its note in a column of 200 characters."""
     path = write_fit(get_model("two_factor"), THETA["two_factor"])
     assert cli.main(["predict", str(path), "--h0=5um,6um", "--hv=1um,2.2um"]) == 0
-    header, *rows, _, _, note = capsys.readouterr().out.splitlines()
+    header, *rows, below = capsys.readouterr().out.split("\n", maxsplit=5)
     assert "note" not in header
     assert [row.split()[0] for row in rows] == ["1", "2", "3", "4"]
-    assert re.fullmatch(r"note +rows 2, 4: not validated: hv = 2\.2 µm outside .*", note)
+    assert re.search(r"\n +rows 2, 4: not validated: hv = 2\.2 µm outside", below)
 
 
 def test_a_table_of_points_is_read_as_a_table_of_scenes(write_fit, refused, tmp_path):
@@ -638,7 +638,7 @@ def test_errors_of_95_and_99_percent_are_rounded_alike(write_fit, capsys):
     assert cli.main(["predict", str(path), "--h0=5um,6um", "--hv=1um"]) == 0
     header, *rows = capsys.readouterr().out.splitlines()[:3]
     for row in rows:
-        shown = dict(zip(header.split(), row.split(), strict=False))
+        shown = dict(zip(header.split(), row.split()[1:], strict=False))
         force_n = float(shown["force_n"])
         errors_n = {"error_95_n": 2e-3 + 0.01 * force_n, "error_99_n": 4e-3 + 0.02 * force_n}
         for name, error_n in errors_n.items():

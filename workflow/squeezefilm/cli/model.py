@@ -74,7 +74,7 @@ def predict(options: argparse.Namespace) -> None:
 def amplitude_for(options: argparse.Namespace) -> None:
     """The amplitude for a target force, by a fitted model, from its file alone.
 
-      squeezefilm amplitude-for FIT.json --force 1.0N --h0 5um:10um:6 --x 0mm,1mm
+      squeezefilm amplitude-for FIT.json --force 1.0N --h0 5:10:6um --x 0mm,1mm
 
     One row for each gap and position; without --h0, six gaps over the range that the model was
     fitted on. `hv_error_95_m` is the 95 % error of the force (see `squeezefilm predict --help`)

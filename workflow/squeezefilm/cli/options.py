@@ -16,6 +16,7 @@ from squeezefilm.api.film import Film, factor_combinations
 from squeezefilm.columns import error_columns
 from squeezefilm.config.loading import load_film, unit_notes
 from squeezefilm.errors import InputError
+from squeezefilm.film.validity import OK
 from squeezefilm.formatting import ERROR_PERCENT_COLUMNS, json_text, result_lines_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
@@ -185,8 +186,9 @@ def print_table(table: pd.DataFrame, **about: str) -> None:
 
     Columns without content are not shown; rows have numbers where a note needs them.
     """
-    texts = table.copy()
-    for name in map(str, table):
+    table = table.set_index(pd.RangeIndex(1, len(table) + 1))
+    texts, notes = _without_notes(table)
+    for name in map(str, texts):
         errors = error_columns(name, table)
         for error in errors:
             pairs = [
@@ -202,16 +204,22 @@ def print_table(table: pd.DataFrame, **about: str) -> None:
             ]
         if name in ERROR_PERCENT_COLUMNS:
             texts[name] = table[name].map(error_text, na_action="ignore")
-    rows_of_note: dict[str, list[str]] = {}
-    for row, note in enumerate(texts.pop("note") if "note" in texts else (), start=1):
-        if note:
-            rows_of_note.setdefault(note, []).append(str(row))
-    notes = [
-        f"row{'s' * (len(rows) > 1)} {', '.join(rows)}: {note}"
-        for note, rows in rows_of_note.items()
-    ]
-    empty = [name for name in texts if texts[name].isin(["", None]).all()]
-    shown = texts.drop(columns=empty).set_index(pd.RangeIndex(1, len(texts) + 1))
-    print(shown.to_string(index=bool(notes), na_rep="", float_format=lambda value: f"{value:.4g}"))
+    how: dict[str, Any] = {"na_rep": "", "float_format": lambda value: f"{value:.4g}"}
+    print(texts.to_string(index=bool(notes), **how))
     if about or notes:
         print(result_lines_text({**about, "note": notes}))
+
+
+def _without_notes(table: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Return the columns with content, their reasons as references, and a note for each reason."""
+    texts = table.drop(columns=[name for name in table if table[name].eq("").all()])
+    rows_of_reason: dict[str, list[str]] = {}
+    for name in (each for each in ("status", "validity", "note") if each in texts):
+        for row, reason in table[name].dropna().items():
+            if reason not in ("", OK):
+                rows_of_reason.setdefault(reason, []).append(f"{row}")
+                texts.loc[row, name] = "see note"
+    return texts.drop(columns="note", errors="ignore"), [
+        f"row{'s' * (len(rows) > 1)} {', '.join(rows)}: {reason}"
+        for reason, rows in rows_of_reason.items()
+    ]
