@@ -227,7 +227,7 @@ def _points_with_factor_columns(points: pd.DataFrame, *, needed: Sequence[str]) 
     """Points with the factors under their own names."""
     from squeezefilm.api.points import Points
 
-    return Points(normalise_points(points, needed=needed, others="unknown are invalid"))
+    return Points(normalise_points(points, needed=needed))
 
 
 @dataclass(frozen=True, repr=False)
