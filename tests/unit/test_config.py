@@ -95,6 +95,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ),
     ("  length_x: ", "  contour: 1\n  length_x: ", "pad: unknown key 'contour'"),
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
+    ("inertia: none", "inertia: on", "'on' is none of `none`, `included`, `auto`\n"),
     (
         SINC,
         "kind: bessel, nodal_diameters: 0, wave_number: 0.38 1/mm",
@@ -120,7 +121,7 @@ def test_a_wrong_study_is_refused(old, new, message, paper, study):
     assert old in paper
     with pytest.raises(InputError) as refusal:
         load(study(paper.replace(old, new, 1)))
-    assert message in str(refusal.value)
+    assert message in f"{refusal.value}\n"
     assert "study.yaml" in str(refusal.value)
 
 

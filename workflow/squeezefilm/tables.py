@@ -102,7 +102,7 @@ KNOWN_UNIT_NAMES = {name for units in UNIT_SIZES_OF_BASE_UNIT.values() for name 
 
 OtherColumnsPolicy = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
-columns.csv does not have."""
+columns.csv does not have, and invalid where others are kept too."""
 
 
 def chunk_row_slice(chunk: int, chunks: int, count: int) -> slice:
@@ -169,7 +169,7 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
     """
     how: dict[str, Any] = {
         "optional": OPTIONAL_FORCE_COLUMNS,
-        "others": "kept" if whole else "ignored",
+        "others": "kept" if whole else "unknown are invalid",
     }
     table = _read_table(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
     for name in map(str, table):
@@ -352,7 +352,7 @@ def _renamed_columns_of_header(
 
 
 def normalise_points(
-    points: pd.DataFrame | Mapping[str, Any], *, needed: Sequence[str], others: OtherColumnsPolicy
+    points: pd.DataFrame | Mapping[str, Any], *, needed: Sequence[str]
 ) -> pd.DataFrame | Mapping[str, Any]:
     """Points that no file holds, their factors under their own names and in SI units.
 
@@ -379,9 +379,8 @@ def normalise_points(
     header = list(map(str, points))
     columns = columns_in_table_form(SCENE_COLUMNS, header)
     optional = [name for name in columns if name not in needed]
-    _check_header(
-        header, columns, optional, others=others, required=_columns_text(columns, optional)
-    )
+    required = _columns_text(columns, optional)
+    _check_header(header, columns, optional, others="unknown are invalid", required=required)
     return points
 
 
@@ -487,7 +486,7 @@ def _check_header(
     if "phi_r_m" in columns and "phi_deg" in header and "phi_r_m" not in header:
         missing.append("phi_r_m")
     halved = len(position & {*header}) == 1
-    if others == "unknown are invalid" or (others != "invalid" and (missing or halved)):
+    if others in ("unknown are invalid", "kept") or (others == "ignored" and (missing or halved)):
         beside = unregistered_columns(beside)
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
@@ -539,9 +538,9 @@ def read_columns(
     return table
 
 
-def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str] = ()) -> None:
+def write_table(table: pd.DataFrame, path: Path | str) -> None:
     """Write a table as ``table_writer`` does."""
-    with table_writer(path, given=given) as write:
+    with table_writer(path) as write:
         write(table)
 
 
@@ -572,15 +571,10 @@ def checked_table_path(path: Path | str) -> str:
 
 
 @contextmanager
-def table_writer(
-    path: Path | str, *, given: Collection[str] = ()
-) -> Iterator[Callable[[pd.DataFrame], None]]:
+def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
     """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
 
     All pieces have the columns of the first one. CSV comes with full double precision.
-
-    Args:
-        given: columns of the user's own.
 
     Raises InputError for a name that says that something else is in the file, ValueError for a
     column without a meaning in columns.csv.
@@ -589,7 +583,7 @@ def table_writer(
     pieces = _parquet_writer if path.suffix == PARQUET_SUFFIX else _csv_writer
 
     def write(piece: pd.DataFrame) -> None:
-        if unknown := unregistered_columns({*piece} - {*given}):
+        if unknown := unregistered_columns(map(str, piece)):
             raise ValueError(f"{path}: columns.csv has no {', '.join(unknown)}")
         write_piece(piece)
 

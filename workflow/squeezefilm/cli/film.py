@@ -152,8 +152,9 @@ def _simulate_given_points(
 
 
 def _simulate_scenes_table(options: argparse.Namespace, film: Film) -> None:
-    if options.output is None or options.json:
-        raise InputError("a table of scenes needs --output, and has no --json")
+    if options.output is None:
+        raise InputError("a table of scenes needs --output FORCES.csv")
+    check_json_option(options, count=1)
     if options.budget:
         raise InputError(
             "--budget is of points; `squeezefilm error-budget` is of a table of scenes"

@@ -13,16 +13,15 @@ from squeezefilm.cli.options import (
     points_of_options,
     write_or_print_rows,
 )
-from squeezefilm.columns import unregistered_columns
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
-from squeezefilm.film.positions import CARTESIAN_COLUMNS, fill_missing_coordinate
+from squeezefilm.film.positions import fill_missing_coordinate
 from squeezefilm.film.validity import OK
 from squeezefilm.formatting import column_label
 from squeezefilm.lazy import pd
 from squeezefilm.models.export import NAN_OF_LANGUAGE
 from squeezefilm.models.fit_file import UNKNOWN_PREFIX
-from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, no_force_message, read_columns
+from squeezefilm.tables import no_force_message, read_scenes
 from squeezefilm.units import split_unit
 
 
@@ -39,9 +38,9 @@ def predict(options: argparse.Namespace) -> None:
       squeezefilm predict FIT.json --points POINTS.csv --output FORCES.csv
 
     A quantity is a number with its unit, several with commas, or evenly spaced ones as
-    first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
-    pad off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
-    was fitted in, any direction may be asked. `error_95_n` is the error that 95 % of new points
+    first:last:count; every combination is a point. POINTS.csv is a table of scenes (see
+    `squeezefilm simulate --help`); by the symmetry of the study that the model was fitted in, any
+    direction may be asked. `error_95_n` is the error that 95 % of new points
     drawn uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %,
     measured on a validation sample of simulations that no fit used.
 
@@ -55,17 +54,13 @@ def predict(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     if options.points:
-        needed, source = ("h0_m", "hv_m"), options.points
-        table = read_columns(source, columns=needed, optional=FACTOR_COLUMNS)
-        # Results of the points, which the table may have, are not the model's.
-        kept = {*SCENE_COLUMNS, *CARTESIAN_COLUMNS, *unregistered_columns(map(str, table))}
-        table = table[[name for name in table if name in kept]]
+        table, source = read_scenes(options.points), options.points
     else:
         table, source = _points_of_options(options), "predict"
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=source)
-    write_or_print_rows(predicted, options, given=table.columns, **fit.about)
+    write_or_print_rows(predicted, options, **fit.about)
     alone = len(predicted) == 1 and not (options.points or options.output)
     _check_values_known(predicted, "force_n", source=source, alone=alone)
 
@@ -79,7 +74,7 @@ def predict(options: argparse.Namespace) -> None:
 def amplitude_for(options: argparse.Namespace) -> None:
     """The amplitude for a target force, by a fitted model, from its file alone.
 
-      squeezefilm amplitude-for FIT.json --force 1.0N --h0 5um:10um:6 --x 0mm,1mm
+      squeezefilm amplitude-for FIT.json --force 1.0N --h0 5:10:6um --x 0mm,1mm
 
     One row for each gap and position; without --h0, six gaps over the range that the model was
     fitted on. `hv_error_95_m` is the 95 % error of the force (see `squeezefilm predict --help`)
@@ -106,17 +101,18 @@ def _check_values_known(table: pd.DataFrame, name: str, *, source: Path | str, a
         alone: the single row is one point by options.
     """
     result = column_label(split_unit(name)[0])
+    names = table.get("point_id", [f"row {row}" for row in range(1, len(table) + 1)])
     reasons = {
-        row: note.removeprefix("not validated: ") or validity
-        for row, (value, validity, note) in enumerate(
-            zip(table[name], table["validity"], table["note"], strict=True), start=1
+        point: note.removeprefix("not validated: ") or validity
+        for point, value, validity, note in zip(
+            names, table[name], table["validity"], table["note"], strict=True
         )
         if value != value
     }
     if reasons and alone:
-        raise RunError(f"no {result}: {reasons[1]}")
+        raise RunError(f"no {result}: {reasons['row 1']}")
     if reasons:
-        failures = [f"row {row}: {reason}" for row, reason in reasons.items()]
+        failures = [f"{point}: {reason}" for point, reason in reasons.items()]
         raise RunError(no_force_message(failures, source, missing=result))
     valid = table["validity"].iloc[0]
     if alone and valid != OK and not valid.startswith(UNKNOWN_PREFIX):

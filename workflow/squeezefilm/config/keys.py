@@ -158,7 +158,8 @@ def _iter_key_schemas(part: Schema, path: KeyNames = ()) -> Iterator[tuple[KeyNa
 
 def unit_of_schema(part: Schema) -> str:
     """The unit of a key's number, or of each in its list."""
-    return str(part.get("unit", part.get("items", {}).get("unit", "")))
+    items = [part.get("items", {}), *part.get("prefixItems", ())]
+    return str(next((each["unit"] for each in (part, *items) if "unit" in each), ""))
 
 
 def _default_text(part: Schema, needed: bool) -> str:

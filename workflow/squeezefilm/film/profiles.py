@@ -285,7 +285,7 @@ class ScanFile:
     """A measured shape, which is smoothed into ``ModeSum`` (measured/smooth.py).
 
     Attributes:
-        file: a vibrometer's table (see below), from the folder of this file
+        file: a vibrometer's table, from the folder of this file
         axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
             leaves it free, and is what a rectangle needs
         along: of a rectangle `x` if the shape is the same at every y, `y` if at every x: points on

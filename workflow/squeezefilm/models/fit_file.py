@@ -376,7 +376,8 @@ def amplitude_row(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
         rest_and_contact = Factors.of(**where, hv_m=[0.0, np.nextafter(where["h0_m"], 0.0)])
         undefined = np.flatnonzero(~np.isfinite(fit.evaluate(rest_and_contact)))
         reasons = [fit.undefined_texts(rest_and_contact)[at] for at in undefined[:1]]
-        return row | {"note": "; ".join([note, *reasons])}
+        # Without a force at rest the model has none at this gap, so that no amplitude was tried.
+        return row | {"note": "; ".join([note] * (0 not in undefined) + reasons)}
     near = Factors.of(
         **where
         | {
