@@ -179,6 +179,8 @@ def check_page(results: Results, *, reference: str) -> Page:
     """Every quantity of a study beside those of the reference in a folder."""
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
+    # On a narrow screen the last columns are out of sight.
+    shown.insert(0, "verdict", shown.pop("verdict"))
     values = {
         "summary": passed_and_failed_text(table, study=results.folder.name),
         "table": shown,
