@@ -117,8 +117,8 @@ def _show_results(
     by_options = not getattr(options, "points", None)
     alone = len(table) == 1 and by_options and not options.output
     if alone and missing and not options.json:
-        validity, note = table.loc[0, ["validity", "note"]]
-        raise RunError(f"no {result}: {note.removeprefix('not validated: ') or validity}")
+        note = str(table["note"].iloc[0]).removeprefix("not validated: ")
+        raise RunError(f"no {result}: {note or table['validity'].iloc[0]}")
     write_or_print_rows(table, options, given=given, **about)
     if missing:
         rows = f"{missing} of {len(table)} rows"
