@@ -211,8 +211,7 @@
     const [digits, around] = toItsError(there[name] / UM, error);
     const force_n = `for ${plain(there.force_n)} N`;
     if (doubted) return `${digits} µm ${force_n} (not validated)`;
-    const without = name === "h0_m" ? ", without the modelling error" : "";
-    return `${digits} µm ± ${around} µm ${force_n}${without}`;
+    return `${digits} µm ± ${around} µm ${force_n}, without the modelling error`;
   }
 
   // The error of a gap or an amplitude that gives the target force: the force's over the slope.
