@@ -190,7 +190,9 @@
   }
 
   function noAmplitude(fit, now) {
-    return `none below contact gives ${plain(now.force_n)} N`;
+    const atContact = force(fit, { ...now, hv_m: now.h0_m * (1 - 1e-12) });
+    const where = Number.isFinite(atContact) ? "below contact" : "where the model is defined";
+    return `none ${where} gives ${plain(now.force_n)} N`;
   }
 
   function noGap(fit, now, [least, most]) {
