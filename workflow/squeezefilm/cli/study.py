@@ -16,7 +16,8 @@ from squeezefilm.cli.options import (
     table_output_option,
 )
 from squeezefilm.config.film import FilmSections
-from squeezefilm.config.loading import FilmWithoutStudyError, load_config, load_film, unit_notes
+from squeezefilm.config.loading import FilmWithoutStudyError, load_config, load_film
+from squeezefilm.config.notes import unit_notes
 from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.files import file_digest
 from squeezefilm.studies.tasks.scan_errors import scan_report

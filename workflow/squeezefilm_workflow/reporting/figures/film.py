@@ -12,13 +12,14 @@ from matplotlib.ticker import MaxNLocator
 from squeezefilm.columns import COLUMNS
 from squeezefilm.film.positions import find_position_columns
 from squeezefilm.formatting import column_label
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import (
     bound_percent_text,
     reynolds_validity_limit,
     signed_text,
 )
-from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
+from squeezefilm_workflow.reporting.results import Results
 
 COLOUR_OF_EFFECT = {
     "inertia": style.BLUE,
