@@ -21,7 +21,7 @@ from squeezefilm.formatting import column_label
 from squeezefilm.lazy import pd
 from squeezefilm.models.export import NAN_OF_LANGUAGE
 from squeezefilm.models.fit_file import UNKNOWN_PREFIX
-from squeezefilm.tables import no_force_message, read_scenes
+from squeezefilm.tables import read_scenes
 from squeezefilm.units import split_unit
 
 
@@ -60,9 +60,7 @@ def predict(options: argparse.Namespace) -> None:
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=source)
-    write_or_print_rows(predicted, options, **fit.about)
-    alone = len(predicted) == 1 and not (options.points or options.output)
-    _check_values_known(predicted, "force_n", source=source, alone=alone)
+    _show_results(predicted, "force_n", options, source=source, **fit.about)
 
 
 @command(
@@ -80,40 +78,44 @@ def amplitude_for(options: argparse.Namespace) -> None:
     fitted on. `hv_error_95_m` is the 95 % error of the force (see `squeezefilm predict --help`)
     over the slope of force against amplitude, and `error_95_percent` that of the force; both
     contain the uncertainty of a measured profile, `profile_uncertainty_percent`. Where the point is
-    not validated both are empty and `note` says why, or that no amplitude below contact gives the
-    force. The exit status is 1 when a point has no amplitude, and where one point by options is
-    outside the limits of validity.
+    not validated both are empty and `note` says why, or which forces the model gives. The exit
+    status is 1 when a point has no amplitude, and where one point by options is outside the limits
+    of validity.
     """
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
     points = _points_of_options(options)
-    found = fit.amplitudes_for(points, options.force)
-    write_or_print_rows(found, options, **fit.about)
-    alone = len(found) == 1 and not options.output
-    _check_values_known(found, "hv_m", source="amplitude-for", alone=alone)
+    amplitudes = fit.amplitudes_for(points, options.force)
+    _show_results(amplitudes, "hv_m", options, source="amplitude-for", **fit.about)
 
 
-def _check_values_known(table: pd.DataFrame, name: str, *, source: Path | str, alone: bool) -> None:
-    """Raise RunError for rows without a result, and for one alone outside limits of validity.
+def _show_results(
+    table: pd.DataFrame,
+    name: str,
+    options: argparse.Namespace,
+    *,
+    source: Path | str,
+    **about: str,
+) -> None:
+    """Write or print results of a fit; of one point without a result, the reason alone.
 
     Args:
         name: the result's column.
-        alone: the single row is one point by options.
+        about: as ``write_or_print_rows`` takes them.
+
+    Raises RunError for rows without a result, and for one point by options that is outside the
+    limits of validity.
     """
-    result = column_label(split_unit(name)[0])
-    names = table.get("point_id", [f"row {row}" for row in range(1, len(table) + 1)])
-    reasons = {
-        point: note.removeprefix("not validated: ") or validity
-        for point, value, validity, note in zip(
-            names, table[name], table["validity"], table["note"], strict=True
-        )
-        if value != value
-    }
-    if reasons and alone:
-        raise RunError(f"no {result}: {reasons['row 1']}")
-    if reasons:
-        failures = [f"{point}: {reason}" for point, reason in reasons.items()]
-        raise RunError(no_force_message(failures, source, missing=result))
+    result, missing = column_label(split_unit(name)[0]), int(table[name].isna().sum())
+    by_options = not getattr(options, "points", None)
+    alone = len(table) == 1 and by_options and not options.output
+    if alone and missing and not options.json:
+        note = str(table["note"].iloc[0]).removeprefix("not validated: ")
+        raise RunError(f"no {result}: {note or table['validity'].iloc[0]}")
+    write_or_print_rows(table, options, **about)
+    if missing:
+        rows = f"{missing} of {len(table)} rows"
+        raise RunError(f"{source}: no {result} for {rows}; `validity` or `note` states the reason")
     valid = table["validity"].iloc[0]
     if alone and valid != OK and not valid.startswith(UNKNOWN_PREFIX):
         raise RunError(f"outside the limits of validity: {valid}")
