@@ -161,6 +161,11 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         f"{x / 1e3:.9e} {y / 1e3:.9e} ({u.real:.9e}{u.imag:+.9e}j)\n".encode()
         for x, y, u in zip(X, Y, TURNED * 1e-6, strict=True)
     ),
+    "savetxt of older NumPy": b"# x_m y_m uz_m\n"
+    + b"".join(
+        f"{x / 1e3:.9e} {y / 1e3:.9e} ({u.real:.9e}+{u.imag:.9e}j)\n".encode()
+        for x, y, u in zip(X, Y, TURNED * 1e-6, strict=True)
+    ),
     "complex cells": (
         "% Length unit,mm\n% x,y,w (µm) @ freq=43270\n"
         + "".join(
@@ -322,7 +327,19 @@ WRONG = {
     ),
     "words in place of a number": (
         PLAIN.replace(",0\n", ",kaputt\n", 1),
-        "phase is 'kaputt', not a finite number; write nan where nothing was measured",
+        "phase is 'kaputt', not a finite number; write nan as the amplitude of what was not",
+    ),
+    "a place only in the first row of several": (
+        PLAIN.replace(f"\n{X[1]:.9g},", "\n,", 1),
+        "x is '', not a finite number; every row needs its place, also where it is that of the row",
+    ),
+    "an amplitude and its angle in a cell": (
+        text("x_mm,y_mm,amplitude_um", X, Y, U).replace("\n", " @ 30\n").replace(" @ 30", "", 1),
+        "@ 30', not a finite number; a complex amplitude is written as 1.2-0.3i or (1.2,-0.3)",
+    ),
+    "a header of unknown words before separators": (
+        with_header("Quer r 1;Hoch phi 2;Hub amplitude 3;Takt phase 4").replace(",", ";"),
+        "line 1: no header names the columns: 'Quer r 1;Hoch phi 2;",
     ),
     "a phase of the reference that varies": (
         text(

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.columns import ScanColumn
+from squeezefilm.film.measured.columns import COORDINATE_UNITS, ScanColumn
 from squeezefilm.film.measured.scan import MAX_FINITE_VALUE, list_text
 from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
@@ -75,7 +75,8 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         cells = cells.mask(
             with_unit, cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
         )
-    if name == "amplitude" and has_complex_pairs(cells):
+    if name == "amplitude":
+        # NumPy writes (1.2+-0.3j).
         cells = cells.str.replace(PAIR_PATTERN, r"\1+\2i", regex=True)
         cells = cells.str.replace(r"\+(?=[-+])", "", regex=True)
     cells = _without_thousands_separators(cells)
@@ -98,9 +99,20 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         values = 10 ** (values / 20)
     finite = values.abs() * (column.size or 1.0) <= MAX_FINITE_VALUE
     for line, cell in cells[~finite][:1].items():
-        remedy = "" if re.search(r"\d|inf", cell) else "; write nan where nothing was measured"
-        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number{remedy}")
+        raise InputError(
+            f"line {line}: {name} is {cell!r}, not a finite number{_remedy_of_cell(cell, name)}"
+        )
     return values * (column.size or 1.0)
+
+
+def _remedy_of_cell(cell: str, name: str) -> str:
+    """What to write in place of a cell that is no number; "" of one that is infinite."""
+    if name in COORDINATE_UNITS:
+        return "; every row needs its place, also where it is that of the row above"
+    if not re.search(r"\d|inf", cell):
+        return "; write nan as the amplitude of what was not measured"
+    two_numbers = name == "amplitude" and re.search(r"\d[^\d.,]+\d", cell)
+    return "; a complex amplitude is written as 1.2-0.3i or (1.2,-0.3)" if two_numbers else ""
 
 
 def _without_thousands_separators(cells: pd.Series) -> pd.Series:

@@ -179,6 +179,9 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
         frozenset(core)
     ):
         return quantity
+    of_words = {QUANTITY_OF_WORDS.get(frozenset([word])) for word in core}
+    if len(of_words) == 1 and of_words != {None}:
+        return of_words.pop()
     if core & COMPONENT_WORDS and (rest := frozenset(core - COMPONENT_WORDS)) in QUANTITY_OF_WORDS:
         quantity = QUANTITY_OF_WORDS[rest]
         if quantity == "height":
@@ -372,6 +375,9 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         and (VOLTS_PATTERN.search(each.name) or OMEGA_POWER_OF_UNIT.get(each.unit))
     ]
     known = {each.column_index for each in header_columns(header)}
+    voltages = [
+        repr(name) for at, name in unused.items() if at not in known and VOLTS_PATTERN.search(name)
+    ]
     unknown = [
         name
         for at, name in unused.items()
@@ -390,6 +396,10 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         f"call {list_text([*map(repr, lock_in)])} of a lock-in amplifier real_mm/s, imaginary_mm/s "
         "or the like (only the shape counts)"
     ] * bool(lock_in)
+    remedies += [
+        f"call {name} velocity_mm/s or the like if a vibrometer's (only the shape counts)"
+        for name in voltages * (len(voltages) == 1)
+    ]
     remedies += [f"call {name!r} amplitude_um if the vibration's amplitude" for name in values]
     if len(repeated) > 1:
         unit = repeated[0][repeated[0].index("[") :]
