@@ -14,6 +14,7 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import zip_longest
 from math import nan
 from pathlib import Path
 from typing import Any, Literal
@@ -36,7 +37,7 @@ from squeezefilm.film.positions import (
     columns_in_table_form,
     fill_missing_coordinate,
 )
-from squeezefilm.headers import fold_accents, possible_words_and_units
+from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import unit_sizes
@@ -71,7 +72,7 @@ MEASURED_COLUMNS_TEXT = (
 )
 POSITION_FORMS = f"{' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
 POSITION_FORMS_TEXT = f"a position is {POSITION_FORMS}"
-PARQUET_SUFFIX, CSV_SEPARATORS = ".parquet", ",;\t"
+PARQUET_SUFFIX, CSV_SEPARATORS, COMMENT_SIGN = ".parquet", ",;\t", "#"
 UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
@@ -301,17 +302,32 @@ def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
 ) -> tuple[pd.DataFrame, list[int]]:
     text = read_text(path, what="table")
-    first = next(filter(str.strip, text.splitlines()), "")
+    plain = (line for line in text.splitlines() if line.strip() and line[0] != COMMENT_SIGN)
+    first = next(plain, "")
     separator = max(CSV_SEPARATORS, key=first.count)
+    width = first.count(separator) + 1
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
     try:
         cells_of = ([cell.strip() for cell in cells] for cells in reader)
-        rows = [(reader.line_num, cells) for cells in cells_of if any(cells)]
+        # A row's name may begin with the sign, and NumPy's header does.
+        rows = [
+            (reader.line_num, cells)
+            for cells in cells_of
+            if any(cells) and (cells[0][:1] != COMMENT_SIGN or len(cells) == width)
+        ]
     except csv.Error as error:
         raise InputError(f"{path}: the table cannot be read: {error}") from None
     if not rows:
         raise InputError(f"{path}: the table is empty; it needs {required}")
     (_, header), *rows = rows
+    header[0] = header[0].lstrip(f"{COMMENT_SIGN} ") or header[0]
+    units = [normalised_unit(cell) for _, cells in rows[:1] for cell in cells]
+    if {*units} & KNOWN_UNIT_NAMES and {*units} <= {*KNOWN_UNIT_NAMES, ""}:
+        header = [
+            name + f" [{unit}]" * bool(unit)
+            for name, unit in zip_longest(header, units, fillvalue="")
+        ]
+        del rows[0]
     raise_row_problems(
         [
             f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
@@ -492,17 +508,19 @@ def _check_header(
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
         beside = [name for name in beside if _column_and_unit_size(name)[0] in factors]
+    problems = []
     for name in beside:
         own, _ = _column_and_unit_size(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
             units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES_OF_BASE_UNIT[base])
-            raise InputError(
-                f"column {name!r} needs a unit, one of {units}; the table needs {required}"
-            )
-        near = _nearest_column(name, factors)
-        hint = f"did you mean {near!r}? " if near else ""
-        raise InputError(f"unknown column {name!r}; {hint}the table needs {required}")
+            problems.append(f"column {name!r} needs a unit, one of {units}")
+        else:
+            near = _nearest_column(name, factors)
+            problems.append(f"unknown column {name!r}" + f": did you mean {near}?" * bool(near))
+    if problems:
+        named = "; ".join(problems[:MAX_ROWS_IN_MESSAGE])
+        raise InputError(f"{named}; the table needs {required}")
     for name in missing:
         form = f" ({POSITION_FORMS_TEXT})" if name in position else ""
         missed = f"column {name!r} is missing; it has {', '.join(header)}{form}"
@@ -510,12 +528,16 @@ def _check_header(
 
 
 def _nearest_column(name: str, columns: Collection[str]) -> str:
-    """The column whose words begin as a header's cell does, or are close to it; empty if none."""
-    first = re.split(r"[^a-z]", name.lower())[0]
+    """The column that a word of a header's cell names, begins or is close to; "" if none."""
+    said = re.split(r"[^a-z0-9]+", name.lower())
     words = [each for each, own in COLUMN_OF_WORDS.items() if own in columns]
-    begun = [each for each in words if len(first) > 2 and each.startswith(first)]
-    close = begun or difflib.get_close_matches(first, words, n=1)
-    return COLUMN_OF_WORDS[close[0]] if close else ""
+    named = [each for each in words if each in said]
+    begun = [each for each in words if len(said[0]) > 2 and each.startswith(said[0])]
+    close = named or begun or difflib.get_close_matches(said[0], words, n=1)
+    if not close:
+        return ""
+    own = COLUMN_OF_WORDS[close[0]]
+    return repr(own) + ", zero to peak" * (own == "hv_m")
 
 
 def read_columns(
