@@ -1238,6 +1238,9 @@ def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
     path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
     with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
         smoothed_scan(path, ScanFile("scan.csv", scale="measured"), surface)
+    path.write_text(text("x_mm,y_mm,amplitude_um", X + 10, 2 * Y + 20, U))
+    with pytest.raises(InputError, match=r"off the .*; they fit with x and y exchanged$"):
+        smoothed_scan(path, FREE_SHAPE, Rectangle(0.04, 0.02))
 
 
 def off_centre_grid(step: float, offset: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
