@@ -374,17 +374,16 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         if each.quantity in ("x", "y")
         and (VOLTS_PATTERN.search(each.name) or OMEGA_POWER_OF_UNIT.get(each.unit))
     ]
-    known = {each.column_index for each in header_columns(header)}
-    voltages = [
-        repr(name) for at, name in unused.items() if at not in known and VOLTS_PATTERN.search(name)
-    ]
-    unknown = [
+    known = {each.column_index for each in named}
+    unknown = [name for at, name in unused.items() if at not in known]
+    voltages = [name for name in unknown if VOLTS_PATTERN.search(name)]
+    motions = [
         name
-        for at, name in unused.items()
-        if at not in known and next(possible_words_and_units(name, ALL_UNITS))[1] in MOTION_UNITS
+        for name in unknown
+        if next(possible_words_and_units(name, ALL_UNITS))[1] in MOTION_UNITS
     ]
     heights = [each.name for each in named if each.quantity == "height" and each.size]
-    values = heights if not unknown else unknown * (len(unknown) == 1)
+    values = heights if not motions else motions * (len(motions) == 1)
     columns_by_stem: dict[str, list[str]] = {}
     for name in unused.values():
         stem = re.sub(r"\d+", "", name)
@@ -397,7 +396,7 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         "or the like (only the shape counts)"
     ] * bool(lock_in)
     remedies += [
-        f"call {name} velocity_mm/s or the like if a vibrometer's (only the shape counts)"
+        f"call {name!r} velocity_mm/s or the like if a vibrometer's (only the shape counts)"
         for name in voltages * (len(voltages) == 1)
     ]
     remedies += [f"call {name!r} amplitude_um if the vibration's amplitude" for name in values]
