@@ -79,7 +79,8 @@ OVER_DRIVE_PATTERN = re.compile(
 )
 """The voltage or force that a response is over; m/V alone may be a decoder's scale."""
 FREQUENCY_IN_NAME_PATTERN = re.compile(
-    r"(?:\A\W*|(?<=\w)[\s_]+(?:at\s+|bei\s+)?)(\d+(?:[.,]\d*)?)\s*([kM]?Hz)\b", re.IGNORECASE
+    r"(?:\A\W*|(?<=\w)(?:\s*@\s*|[\s_]+(?:at\s+|bei\s+)?))(\d+(?:[.,]\d*)?)\s*([kM]?Hz)\b",
+    re.IGNORECASE,
 )
 """The same in a name: ``43270 Hz Magnitude``, ``Amplitude 43.27 kHz [um]``."""
 FREQUENCY_NAME_PATTERN = re.compile(r"\W*\d+(?:[.,]\d*)?\s*[kM]?Hz\b\s*(|[\[(].*)", re.IGNORECASE)
