@@ -50,11 +50,18 @@ def scenes(tmp_path):
         f"# scenes, of today\n{HEADER}\n#,a, b\n1,5e-6,1e-6,0,0\n# end\n",
         f"# {HEADER}\n1,5e-6,1e-6,0,0\n",
         "point_id;h0;hv;phi_r;phi\n;[µm];µm;(mm);°\n1;5,0;1;0;0\n",
+        f"Scenes of today; the gap, by hand\n\n{HEADER}\n1,5e-6,1e-6,0,0\n",
+        "sep=;\npoint_id;h0 [µm];hv [µm];phi_r_m;phi_deg\n1;5,0;1;0,0;0\n",
+        f"# {HEADER}\n1,5e-6,1e-6,0,0\n".replace(",", " "),
+        f"  {HEADER}  \n 1,5e-6, 1e-6 , 0, 0 \n".replace(",", "  "),
+        f"{HEADER},,\n1,5e-6,1e-6,0,0,,\n",
+        "point_id,h_0 [µm],vibration amplitude [µm],phi_r_m,phi_deg\n1,5,1,0,0\n",
     ],
     ids=[
         *("byte order mark", "CRLF", "blank lines", "no last newline", "quotes", "spaces", "order"),
         *("semicolons and decimal commas", "tabs", "results"),
-        *("comments", "a header that is a comment", "a line of units"),
+        *("comments", "a header that is a comment", "a line of units", "a title", "sep="),
+        *("savetxt", "columns of text", "empty columns", "words of README"),
     ],
 )
 def test_what_does_not_matter_is_accepted(text, scenes):
@@ -120,6 +127,7 @@ WRONG = {
         f"{HEADER}\nü,5e-6,1e-6,0,0\n".encode("latin-1"),
         "scenes.csv: line 2: the table must be text in UTF-8; save it in this encoding",
     ),
+    "blanks within names and cells": ("h0 um hv um\n5 2\n", "2 cells where the header has 4"),
     "a binary file": (bytes(range(256)), "scenes.csv"),
 }
 

@@ -72,7 +72,8 @@ MEASURED_COLUMNS_TEXT = (
 )
 POSITION_FORMS = f"{' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
 POSITION_FORMS_TEXT = f"a position is {POSITION_FORMS}"
-PARQUET_SUFFIX, CSV_SEPARATORS, COMMENT_SIGN = ".parquet", ",;\t", "#"
+PARQUET_SUFFIX, BLANK_SEPARATOR, COMMENT_SIGN = ".parquet", " ", "#"
+CSV_SEPARATORS, MAX_LINES_ABOVE_HEADER = f",;\t{BLANK_SEPARATOR}", 20
 UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
@@ -85,8 +86,8 @@ OPTIONAL_FORCE_COLUMNS = {*SOLUTION_COLUMNS} - {
 }
 """Columns of forces that a table may lack."""
 _WORDS_OF_COLUMN = {
-    "h0_m": ("h0", "gap"),
-    "hv_m": ("hv", "amplitude", "disp ampl"),
+    "h0_m": ("h0", "h 0", "gap", "mean gap"),
+    "hv_m": ("hv", "h v", "amplitude", "vibration amplitude", "disp ampl"),
     "x_m": ("x", "x position"),
     "y_m": ("y", "y position"),
     "phi_r_m": ("phi r",),
@@ -301,26 +302,26 @@ def _read_rows(
 def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
 ) -> tuple[pd.DataFrame, list[int]]:
-    text = read_text(path, what="table")
-    plain = (line for line in text.splitlines() if line.strip() and line[0] != COMMENT_SIGN)
-    first = next(plain, "")
-    separator = max(CSV_SEPARATORS, key=first.count)
-    width = first.count(separator) + 1
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
+    lines = read_text(path, what="table").splitlines(keepends=True)
+    start, separator = _find_header(lines, columns)
+    lines[start : start + 1] = [
+        line.lstrip(f"{COMMENT_SIGN} ") for line in lines[start : start + 1]
+    ]
+    reader = csv.reader(lines[start:], delimiter=separator, skipinitialspace=True, strict=True)
     try:
         cells_of = ([cell.strip() for cell in cells] for cells in reader)
-        # A row's name may begin with the sign, and NumPy's header does.
-        rows = [
-            (reader.line_num, cells)
-            for cells in cells_of
-            if any(cells) and (cells[0][:1] != COMMENT_SIGN or len(cells) == width)
-        ]
+        rows = [(start + reader.line_num, cells) for cells in cells_of if any(cells)]
     except csv.Error as error:
         raise InputError(f"{path}: the table cannot be read: {error}") from None
     if not rows:
         raise InputError(f"{path}: the table is empty; it needs {required}")
+    width = max(at for at, name in enumerate(rows[0][1], start=1) if name)
+    for _, cells in rows:
+        if not any(cells[width:]):
+            del cells[width:]
+    # A row's name may begin with the sign.
+    rows = [row for row in rows if len(row[1]) == width or row[1][0][:1] != COMMENT_SIGN]
     (_, header), *rows = rows
-    header[0] = header[0].lstrip(f"{COMMENT_SIGN} ") or header[0]
     units = [normalised_unit(cell) for _, cells in rows[:1] for cell in cells]
     if {*units} & KNOWN_UNIT_NAMES and {*units} <= {*KNOWN_UNIT_NAMES, ""}:
         header = [
@@ -335,8 +336,8 @@ def _read_csv_rows(
             if len(cells) != len(header)
         ]
     )
-    lines = [line for line, _ in rows]
-    table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
+    numbers = [line for line, _ in rows]
+    table = pd.DataFrame([cells for _, cells in rows], numbers, range(len(header)), dtype="str")
     if separator != ",":
         for column_index, name in enumerate(header):
             table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
@@ -346,7 +347,34 @@ def _read_csv_rows(
         table[column_index] = [_cell_in_si(cell, size) for cell in table[column_index]]
     table = table.set_axis(names, axis=1).reset_index(drop=True)
     table.attrs = dict(zip(names, header, strict=True))  # for messages
-    return table, lines
+    return table, numbers
+
+
+def _find_header(lines: Sequence[str], columns: Iterable[str]) -> tuple[int, str]:
+    """The place of the line that names columns, which may be a comment, and the separator of cells.
+
+    It is the first one that names two, or one; where none does, the first that is no comment.
+    """
+    asked = _asked_columns(columns)
+    filled = [index for index, line in enumerate(lines) if line.strip()]
+    for least in (2, 1):
+        for index in filled[:MAX_LINES_ABOVE_HEADER]:
+            for separator in CSV_SEPARATORS:
+                cells = [cell.strip('" ') for cell in lines[index].strip("\r\n# ").split(separator)]
+                named = sum(bool({cell, _column_and_unit_size(cell)[0]} & asked) for cell in cells)
+                if named >= least:
+                    return index, separator
+    plain = next((index for index in filled if lines[index][0] != COMMENT_SIGN), 0)
+    return plain, max(CSV_SEPARATORS[:-1], key="".join(lines[plain : plain + 1]).count)
+
+
+def _asked_columns(columns: Iterable[str]) -> set[str]:
+    """Columns in either form of a position."""
+    columns = list(columns)
+    return {
+        *columns_in_table_form(columns, ()),
+        *columns_in_table_form(columns, CARTESIAN_COLUMNS),
+    }
 
 
 def _renamed_columns_of_header(
@@ -356,11 +384,7 @@ def _renamed_columns_of_header(
 
     Yields their numbers in the header, their own names, and the size of the unit.
     """
-    columns = list(columns)
-    asked = {
-        *columns_in_table_form(columns, ()),
-        *columns_in_table_form(columns, CARTESIAN_COLUMNS),
-    }
+    asked = _asked_columns(columns)
     for column_index, name in enumerate(header):
         own, size = _column_and_unit_size(name)
         if name not in asked and own in asked - {*header} and size:

@@ -106,7 +106,7 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
 
 
 def _remedy_of_cell(cell: str, name: str) -> str:
-    """What to write in place of a cell that is no number; "" of one that is infinite."""
+    """Return what to write in place of a cell that is no number; "" of an infinite one."""
     if name in COORDINATE_UNITS:
         return "; every row needs its place, also where it is that of the row above"
     if not re.search(r"\d|inf", cell):
