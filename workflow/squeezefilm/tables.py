@@ -72,8 +72,8 @@ MEASURED_COLUMNS_TEXT = (
 )
 POSITION_FORMS = f"{' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
 POSITION_FORMS_TEXT = f"a position is {POSITION_FORMS}"
-PARQUET_SUFFIX, BLANK_SEPARATOR, COMMENT_SIGN = ".parquet", " ", "#"
-CSV_SEPARATORS, MAX_LINES_ABOVE_HEADER = f",;\t{BLANK_SEPARATOR}", 20
+PARQUET_SUFFIX, COMMENT_SIGN, MAX_LINES_ABOVE_HEADER = ".parquet", "#", 20
+CSV_SEPARATORS, BLANK_SEPARATOR = ",;\t", " "
 UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
@@ -359,13 +359,14 @@ def _find_header(lines: Sequence[str], columns: Iterable[str]) -> tuple[int, str
     filled = [index for index, line in enumerate(lines) if line.strip()]
     for least in (2, 1):
         for index in filled[:MAX_LINES_ABOVE_HEADER]:
-            for separator in CSV_SEPARATORS:
+            separators = [each for each in CSV_SEPARATORS if each in lines[index]]
+            for separator in separators or BLANK_SEPARATOR:
                 cells = [cell.strip('" ') for cell in lines[index].strip("\r\n# ").split(separator)]
                 named = sum(bool({cell, _column_and_unit_size(cell)[0]} & asked) for cell in cells)
                 if named >= least:
                     return index, separator
     plain = next((index for index in filled if lines[index][0] != COMMENT_SIGN), 0)
-    return plain, max(CSV_SEPARATORS[:-1], key="".join(lines[plain : plain + 1]).count)
+    return plain, max(CSV_SEPARATORS, key="".join(lines[plain : plain + 1]).count)
 
 
 def _asked_columns(columns: Iterable[str]) -> set[str]:
