@@ -202,6 +202,7 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         for x, y, u in zip(X, Y, U, strict=True)
     ).encode(),
     "typeset minus signs": text("x_mm,y_mm,amplitude_um", X, Y, U).replace("-", "−").encode(),
+    "dashes for minus signs": text("x_mm,y_mm,amplitude_um", X, Y, U).replace("-", "–").encode(),
     "LabVIEW, units above": (
         "***End_of_Header***\t\t\t\t\t\nChannels\t4\t\t\t\t\nY_Unit_Label\tmm\tmm\tµm\tdeg\t\n"
         "X0\t0,0\t0,0\t0,0\t0,0\t\n***End_of_Header***\t\t\t\t\t\n"
@@ -371,6 +372,13 @@ WRONG = {
         "no unit is known of 'X', 'Y', 'Real', 'Imag'",
     ),
 }
+
+
+@pytest.mark.parametrize(("column", "cell"), [("x", "(1.2"), ("amplitude", "1.2×10^-6")])
+def test_a_cell_is_given_no_remedy_of_another(column, cell, tmp_path):
+    row = {"x": "1.2", "y": "1", "amplitude": "1"} | {column: cell}
+    with pytest.raises(InputError, match=r"not a finite number$"):
+        read(tmp_path / "scan.csv", "x_mm,y_mm,amplitude_um\n1,2,3\n" + ",".join(row.values()))
 
 
 @pytest.mark.parametrize("case", WRONG)

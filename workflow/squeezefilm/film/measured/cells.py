@@ -17,6 +17,8 @@ from squeezefilm.lazy import pd
 COMPLEX_PATTERN = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
 PAIR_PATTERN = re.compile(r"\(\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*\)")
 """A complex number as C++, Fortran and Octave write it: ``(1.2,-0.3)``."""
+COMPLEX_SIGN_PATTERN = re.compile(r"[ijI∠@°\[(]")
+"""What a cell that is no number has if it may be a complex one in another notation."""
 IMAGINARY_UNIT_PATTERN = re.compile(r"\*?(?:[ijI]|im)$")
 MISSING_PATTERN = re.compile(
     r"|-|--|na|n\.?/?a\.?|k\.a\.|n\.\s?[bdemv]\.?|o\.r\.|null|none|missing|not available"
@@ -48,7 +50,7 @@ def parse_numbers(cells: pd.Series) -> pd.Series:
     """Numbers of cells, with decimal points or commas, also ``1.2D-06``; NaN of others."""
     points = (
         cells.str.replace(",", ".")
-        .str.replace("\u2212", "-")
+        .str.replace("[\u2212\u2013]", "-", regex=True)
         .str.replace(r"(?<=\d)[dD](?=[-+]?\d)", "e", regex=True)
     )
     return pd.to_numeric(points, errors="coerce").astype(float)
@@ -108,11 +110,13 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
 def _remedy_of_cell(cell: str, name: str) -> str:
     """Return what to write in place of a cell that is no number; "" of an infinite one."""
     if name in COORDINATE_UNITS:
-        return "; every row needs its place, also where it is that of the row above"
+        return "; every row needs its place, also where it is that of the row above" * is_missing(
+            cell
+        )
     if not re.search(r"\d|inf", cell):
         return "; write nan as the amplitude of what was not measured"
-    two_numbers = name == "amplitude" and re.search(r"\d[^\d.,]+\d", cell)
-    return "; a complex amplitude is written as 1.2-0.3i or (1.2,-0.3)" if two_numbers else ""
+    is_complex = name == "amplitude" and COMPLEX_SIGN_PATTERN.search(cell)
+    return "; a complex amplitude is written as 1.2-0.3i or (1.2,-0.3)" * bool(is_complex)
 
 
 def _without_thousands_separators(cells: pd.Series) -> pd.Series:
