@@ -304,10 +304,8 @@ def _read_csv_rows(
 ) -> tuple[pd.DataFrame, list[int]]:
     lines = read_text(path, what="table").splitlines(keepends=True)
     start, separator = _find_header(lines, columns)
-    lines[start : start + 1] = [
-        line.lstrip(f"{COMMENT_SIGN} ") for line in lines[start : start + 1]
-    ]
-    reader = csv.reader(lines[start:], delimiter=separator, skipinitialspace=True, strict=True)
+    text = io.StringIO("".join(lines[start:]).lstrip(f"{COMMENT_SIGN} "), newline="")
+    reader = csv.reader(text, delimiter=separator, skipinitialspace=True, strict=True)
     try:
         cells_of = ([cell.strip() for cell in cells] for cells in reader)
         rows = [(start + reader.line_num, cells) for cells in cells_of if any(cells)]
@@ -554,11 +552,11 @@ def _check_header(
 
 def _nearest_column(name: str, columns: Collection[str]) -> str:
     """The column that a word of a header's cell names, begins or is close to; "" if none."""
-    said = re.split(r"[^a-z0-9]+", name.lower())
+    first, *others = re.split(r"[^a-z0-9]+", name.lower())
     words = [each for each, own in COLUMN_OF_WORDS.items() if own in columns]
-    named = [each for each in words if each in said]
-    begun = [each for each in words if len(said[0]) > 2 and each.startswith(said[0])]
-    close = named or begun or difflib.get_close_matches(said[0], words, n=1)
+    named = [each for each in words if each in (first, *others)]
+    begun = [each for each in words if len(first) > 2 and each.startswith(first)]
+    close = named or begun or difflib.get_close_matches(first, words, n=1)
     if not close:
         return ""
     own = COLUMN_OF_WORDS[close[0]]
