@@ -83,6 +83,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
         "43.27 khz",
         "actuator.frequency: '43.27 khz' should be a valid number; write '43.27 kHz'",
     ),
+    (SINC, f"{SINC}, crest: 1,5 mm", "unknown key '5 mm'; write a decimal point"),
     ("  frequency:", "\tfrequency:", "indent by spaces: YAML allows no tab there"),
     (HZ, "28 mm", f"actuator.frequency: '28 mm' is a length; a frequency is wanted; {LIKE}"),
     (HZ, "-3", "frequency: -3 should be greater than or equal to 0.001; allowed"),

@@ -75,6 +75,8 @@ def _key_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     if error["type"] != "missing":
         close = _close_match(key, known) or _close_match(key_of_name(key), known)
         hint = f"did you mean {close!r}?" if close else f"allowed are {', '.join(sorted(known))}"
+        if key[:1].isdigit():
+            hint = "write a decimal point: a comma begins another key"
         return f"{where}: unknown key {key!r}; {hint}"
     if key not in known:  # below a key that is not text
         return ""
