@@ -539,7 +539,7 @@ def _check_header(
             problems.append(f"column {name!r} needs a unit, one of {units}")
         else:
             near = _nearest_column(name, factors)
-            problems.append(f"unknown column {name!r}" + f": did you mean {near}?" * bool(near))
+            problems.append(f"unknown column {name!r}" + f" (did you mean {near}?)" * bool(near))
     if problems:
         named = "; ".join(problems[:MAX_ROWS_IN_MESSAGE])
         raise InputError(f"{named}; the table needs {required}")
