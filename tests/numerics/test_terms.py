@@ -44,7 +44,7 @@ def test_films_with_neglected_effects_share_a_program():
 
 def test_few_films_have_the_forces_of_many():
     few = [film(epsilon=0.4, sigma=sigma, profile=PISTON) for sigma in (3.0, 30.0, 300.0)]
-    many = few * 10
+    many = few * 50
     assert (are_many(few), are_many(many)) == (False, True)
     forces = [solve(scenes, tolerance=1e-5, method="periodic").force_n for scenes in (few, many)]
     assert forces[0] == pytest.approx(forces[1][:3], rel=1e-12)

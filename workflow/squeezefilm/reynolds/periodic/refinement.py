@@ -249,7 +249,7 @@ class Refinement:
 
 def are_many(scenes: Sized) -> bool:
     """Return whether scenes that are solved are many (``compiled_terms``)."""
-    return len(scenes) > MIN_SCENES_PER_LAUNCH
+    return len(scenes) > MAX_SCENES_PER_LAUNCH
 
 
 def max_unknowns_on_device(device: Device) -> float:
