@@ -38,7 +38,9 @@ def means(device: Device, kernel: str) -> list[float]:
     grids = [grid_on_pad(scene, Grid(points, 4, 8, *shape)) for points in (4, 6)]
     other = replace(scene, hv_m=0.7 * scene.hv_m)
     batches = [
-        Batch(Scenes.of([each]), np.arange(1), terms, tuple(some), [tolerance] * len(some))
+        Batch(
+            Scenes.of([each]), np.arange(1), terms, tuple(some), [tolerance] * len(some), many=True
+        )
         for each, some in ((scene, grids), (other, grids[:1]))
     ]
     states = launch(batches, device=device).wait_for_states(device)

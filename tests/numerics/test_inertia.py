@@ -17,12 +17,14 @@ from squeezefilm.film.profiles import Formula, Profile
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import validity_text
+from squeezefilm.quantities import model_error
 from squeezefilm.quantities.model_error import (
     AUTO_TERM_TOLERANCE,
     error_budgets,
     resolve_auto_terms,
 )
 from squeezefilm.reynolds import solve
+from squeezefilm.reynolds.periodic.like_films import films_on_grids_of
 from squeezefilm.reynolds.spectral import cached_axis
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from squeezefilm.reynolds.terms.thermal import Thermal
@@ -323,6 +325,25 @@ def test_near_contact_auto_decides_in_less_time_than_a_solve_takes() -> None:
         work()
         times_s.append(time.process_time() - start)
     assert times_s[0] < times_s[1]
+
+
+@pytest.mark.parametrize(
+    ("reynolds", "included", "refinements"), [(3.0, "included", {-1}), (1e-3, "none", {-1, 0})]
+)
+def test_auto_includes_terms_by_one_grid_and_excludes_them_by_two(
+    monkeypatch, reynolds: float, included: str, refinements: set[int]
+) -> None:
+    solved_for = set()
+
+    def films_on_grids(plan, scenes, rows, *, refinements: int, **options):
+        solved_for.update([refinements] * len(rows))
+        return films_on_grids_of(plan, scenes, rows, refinements=refinements, **options)
+
+    monkeypatch.setattr(model_error, "films_on_grids_of", films_on_grids)
+    auto = moving(reynolds, inertia="auto", thermal="auto", epsilon=0.3, sigma=30.0)
+    (scene,) = resolve_auto_terms([auto])
+    assert (scene.gas.inertia, scene.gas.thermal) == (included, included)
+    assert solved_for == refinements
 
 
 def test_auto_excludes_a_term_that_changes_the_force_by_little_less_than_the_tolerance() -> None:

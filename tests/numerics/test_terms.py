@@ -14,8 +14,9 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.packing import equation_numbers_table
-from squeezefilm.reynolds.periodic.launch import program_terms_and_precision, solve_batch
-from squeezefilm.reynolds.terms import terms_of
+from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.refinement import are_many
+from squeezefilm.reynolds.terms import compiled_terms, terms_of
 from squeezefilm.reynolds.terms.rarefaction import (
     FLOW_TABLE_PATH,
     SLIP_FLOW_LIMIT,
@@ -30,15 +31,23 @@ KINETIC, NARROW = {"rarefaction": "fukui-kaneko"}, 67 / 60
 
 
 def test_films_with_neglected_effects_share_a_program():
-    """The budget of one force loads it and that of the film without them, 30 ms each."""
+    """A force and its budget load no other, 30 ms; many films without effects have their own."""
     scene = film(epsilon=0.4, sigma=100.0, profile=PISTON)
     effects = (
         *({"rarefaction": "slip"}, KINETIC, {"inertia": "included"}, {"thermal": "included"}),
         {"rarefaction": "slip", "inertia": "included", "thermal": "included"},
     )
-    of_effects = {program_terms_and_precision(terms_of(scene.with_gas(**gas))) for gas in effects}
-    assert len(of_effects) == 1
-    assert program_terms_and_precision(terms_of(scene)) not in of_effects
+    shared = {compiled_terms(terms_of(scene.with_gas(**gas)), many=True) for gas in effects}
+    assert shared == {compiled_terms(terms_of(scene), many=False)}
+    assert compiled_terms(terms_of(scene), many=True) not in shared
+
+
+def test_few_films_have_the_forces_of_many():
+    few = [film(epsilon=0.4, sigma=sigma, profile=PISTON) for sigma in (3.0, 30.0, 300.0)]
+    many = few * 50
+    assert (are_many(few), are_many(many)) == (False, True)
+    forces = [solve(scenes, tolerance=1e-5, method="periodic").force_n for scenes in (few, many)]
+    assert forces[0] == pytest.approx(forces[1][:3], rel=1e-12)
 
 
 @pytest.mark.parametrize("inverse", [0.0113, 0.087, 0.42, 1.7, 5.3, 37.0, 300.0])

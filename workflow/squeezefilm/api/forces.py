@@ -34,6 +34,7 @@ from squeezefilm.reynolds.device import Device, device_properties
 from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.reynolds.kernel_cache import build_lock
 from squeezefilm.reynolds.periodic.launch import build_kernels_for_scene
+from squeezefilm.reynolds.periodic.refinement import are_many
 from squeezefilm.reynolds.terms import validity_notes
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS, SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of_config
@@ -326,7 +327,10 @@ def compile_kernels(config: Study) -> dict[str, Any]:
     device = device_of_config(config)
     with build_lock():
         # Which terms a film needs does not depend on its gap, so no gap need be one of the study's.
-        build_kernels_for_scene(device, config.read_film().scene(h0_m=5e-6, hv_m=0.0))
+        for many in (True, False):
+            build_kernels_for_scene(
+                device, config.read_film().scene(h0_m=5e-6, hv_m=0.0), many=many
+            )
     facts = device_properties(device)
     del facts["global_memory_bytes"]  # PoCL's is what is free at the moment
     return facts
@@ -359,7 +363,7 @@ def simulate_table(
         planned = film.scenes(table)
     settings = film.solver()
     with build_lock():
-        build_kernels_for_scene(settings.device, planned[0])
+        build_kernels_for_scene(settings.device, planned[0], many=are_many(planned))
     failures: list[str] = []
     incomplete: list[str] = []
     seconds = 0.0

@@ -20,6 +20,7 @@ from squeezefilm.quantities.states import (
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.packing import equation_numbers_table
 from squeezefilm.reynolds.periodic.launch import solve_batch
+from squeezefilm.reynolds.periodic.refinement import are_many
 from squeezefilm.reynolds.periodic.resolution import profile_error_ratio
 from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.terms import terms_of, unsupported_on_grid_reason
@@ -139,6 +140,7 @@ def _scaled_derivatives_on_grid(
             tolerance=ITERATION_ERROR_FRACTION_OF_STEP * DIFFERENCE_STEP * tolerance,
             device=device,
             guess=np.concatenate([state, state]),
+            many=are_many(beside),
         )
         known = states.status_indices == 0
         forces_n = np.where(known, states.mean_pressure_ratio * scale, np.nan).reshape(2, -1)

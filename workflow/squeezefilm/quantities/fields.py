@@ -232,12 +232,11 @@ class Fields:
     def x_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         """∂/∂X of a field that is even in x, or odd, wherever the axis is folded."""
         matrix = derivative_matrices_with_edge(self.grid.x)[int(odd)] / self.axis_lengths[0]
-        rows = matrix @ values.reshape(*values.shape[:2], -1)
-        return np.asarray(rows.reshape(values.shape))
+        return apply_matrix_along_axis(0, matrix, values)
 
     def y_derivative(self, values: np.ndarray, *, odd: bool = False) -> np.ndarray:
         matrix = derivative_matrices_with_edge(self.grid.y)[int(odd)] / self.axis_lengths[1]
-        return np.asarray(matrix @ values)
+        return apply_matrix_along_axis(1, matrix, values)
 
     def pad_x_derivative(self, values: np.ndarray) -> np.ndarray:
         """∂/∂X along the pad's own x axis."""
@@ -273,7 +272,8 @@ def equation_number_column(equation: np.ndarray, name: str, *, absent: float) ->
 
 def apply_matrix_along_axis(k: int, matrix: np.ndarray, field: np.ndarray) -> np.ndarray:
     """Return a matrix times a field along x for k = 0, along y for 1."""
-    return np.moveaxis(np.tensordot(matrix, field, axes=(1, 1 + k)), 0, 1 + k)
+    columns = field if k else field.reshape(*field.shape[:2], -1)
+    return np.asarray(matrix @ columns).reshape(*field.shape[: 1 + k], -1, *field.shape[2 + k :])
 
 
 def fold_even_columns(matrix: np.ndarray, axis: Axis) -> np.ndarray:

@@ -499,9 +499,10 @@ def _depth_averaging_table(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.nd
 
 
 # Change of the force, relative, below which a term that is ``auto`` is not included. It is looked
-# for on the first grids of a force to so many times that, or to the largest tolerance; and on finer
-# ones, so many times, where these leave it open.
-AUTO_TERM_TOLERANCE = 1e-3
+# for on the coarser of the first grids of a force to so many times that, or to the largest
+# tolerance, where the term stays if it changes the force by more than so many times that; then on
+# both, and on finer ones, so many times, where these leave it open.
+AUTO_TERM_TOLERANCE, CLEAR_CHANGE_FACTOR = 1e-3, 4.0
 DECIDING_GRID_FACTOR, MAX_DECIDING_GRID_TOLERANCE, MAX_DECIDING_REFINEMENTS = 10.0, 1e-2, 2
 
 
@@ -539,7 +540,7 @@ def resolve_auto_terms(
         "tolerance": min(DECIDING_GRID_FACTOR * model_tolerance, MAX_DECIDING_GRID_TOLERANCE),
         "device": device,
     }
-    with_all: list[dict[int, FilmOnGrids]] = [{} for _ in range(1 + MAX_DECIDING_REFINEMENTS)]
+    with_all: list[dict[int, FilmOnGrids]] = [{} for _ in range(2 + MAX_DECIDING_REFINEMENTS)]
     # Beyond a limit of the terms a change that passes through zero is no reason to go without them.
     decided = {
         row
@@ -555,7 +556,7 @@ def resolve_auto_terms(
             for row, names in enumerate(included)
             if row not in decided and set(fewer) < set(names)
         ]
-        for refinements, solved in enumerate(with_all):
+        for refinements, solved in enumerate(with_all, start=-1):
             new = [row for row in undecided if row not in solved]
             solved |= films_on_grids_of(plan, full, new, **how, refinements=refinements)
             # Where the whole equation has no state all terms stay: the scene's solution says why.
@@ -566,7 +567,8 @@ def resolve_auto_terms(
                 if abs(change) + error < model_tolerance:
                     included[row] = fewer
                     decided.add(row)
-                if not abs(abs(change) - model_tolerance) <= error:
+                clear = min(error, (CLEAR_CHANGE_FACTOR - 1) * model_tolerance)
+                if abs(change) - model_tolerance > clear or row in decided:
                     undecided.remove(row)
     return _scenes_with_included_terms(closed, included)
 

@@ -12,6 +12,7 @@ import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
@@ -103,7 +104,8 @@ def forces_of_test_cases(device: Device) -> dict[str, float]:
     force_of_film = {}
     for name, (scene, points) in test_cases().items():
         grid = grid_on_pad(scene, points)
-        states = solve_batch([scene], grid, tolerance=ITERATION_TOLERANCE, device=device)
+        how: dict[str, Any] = {"tolerance": ITERATION_TOLERANCE, "device": device}
+        states = solve_batch([scene], grid, **how, many=True)
         force_of_film[name] = (
             float(states.mean_pressure_ratio[0]) if states.status_indices[0] == 0 else float("nan")
         )

@@ -134,7 +134,13 @@ def _solve_on_common_grids(
 ) -> StatedForces:
     """Every scene on the same two grids over the whole pad, each solved from rest."""
     coarse, fine = (
-        solve_batch(scenes, grid, tolerance=ITERATION_ERROR_FRACTION * tolerance, device=device)
+        solve_batch(
+            scenes,
+            grid,
+            tolerance=ITERATION_ERROR_FRACTION * tolerance,
+            device=device,
+            many=True,
+        )
         for grid in COMMON_GRIDS
     )
     scale = Scenes.of(scenes).force_scale_n

@@ -144,14 +144,15 @@ def _max_krylov_iterations(grid: Grid, terms: Terms) -> int:
 
 
 @lru_cache(maxsize=64)
-def _grid_size_columns(grids: tuple[Grid, ...], terms: Terms, guessed: bool) -> NamedIntegerColumns:
+def _grid_size_columns(
+    grids: tuple[Grid, ...], terms: Terms, compiled: Terms, guessed: bool
+) -> NamedIntegerColumns:
     """Return the sizes of each grid, by which a kernel finds everything else."""
     sizes = (
         *("nx", "ny", "nt", "most_krylov", "most_iterations"),
         *("whole_x", "whole_y", "whole_modes_x", "around"),
         *("guessed", "largest_state", "unknown_fields", "flow_terms"),
     )
-    compiled = compiled_terms(terms)
     own = {term.NAME for term in terms}
     switched = [term.NAME for term in compiled if term.NAME in SWITCHABLE_TERM_NAMES]
     fields, flow_terms = unknown_field_count(terms), flow_term_count(terms)
@@ -193,6 +194,7 @@ class Batch:
         edge_fields: on a single grid, what a given pressure on the edge adds
             (terms/edge_pressure.py), by the arrays' names, shape (scenes, nx, ny, nt) each;
             ``terms`` have EdgePressure then.
+        many: whether they are among many that are solved (``compiled_terms``).
     """
 
     all_scenes: Scenes
@@ -203,6 +205,7 @@ class Batch:
     initial_guess: np.ndarray | None = None
     returns_every_grid: bool = True
     edge_fields: Mapping[str, np.ndarray] | None = None
+    many: bool = False
 
     def __len__(self) -> int:
         return len(self.scene_rows)
@@ -214,6 +217,11 @@ class Batch:
             len(self) == len(self.all_scenes) and (self.scene_rows == np.arange(len(self))).all()
         )
         return self.all_scenes if whole else self.all_scenes[self.scene_rows]
+
+    @property
+    def program(self) -> tuple[Terms, bool]:
+        """The terms of the program that solves them, and whether GMRES is in single precision."""
+        return compiled_terms(self.terms, many=self.many), uses_single_precision(self.terms)
 
     @property
     def aspect(self) -> float:
@@ -242,10 +250,12 @@ class Batch:
 
 
 @lru_cache(maxsize=256)
-def _workspace_doubles(grid: Grid, terms: Terms, flow_terms: int, *, single: bool) -> int:
+def _workspace_doubles(
+    grid: Grid, terms: Terms, compiled: Terms, flow_terms: int, *, single: bool
+) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
     most, fields = _max_krylov_iterations(grid, terms), unknown_field_count(terms)
-    own = 2 * flow_terms + 3 + work_field_count(compiled_terms(terms), single=single)
+    own = 2 * flow_terms + 3 + work_field_count(compiled, single=single)
     linear = 3 * flow_terms + 10 + (most + 1) * fields
     matrices = (3 + 6 * have_velocity_terms(terms)) * (grid.nx**2 + grid.ny**2 + grid.nt**2)
     if grid.outline:
@@ -264,11 +274,12 @@ def solve_batch(
     edge: Mapping[str, np.ndarray] | None = None,
     terms: Terms | None = None,
     most_newton: int = MAX_NEWTON_STEPS,
+    many: bool = False,
 ) -> PeriodicStates:
     """The periodic states of scenes of one pad shape and like terms on one grid.
 
     Args:
-        guess, edge: as of a ``Batch``.
+        guess, edge, many: as of a ``Batch``.
         terms: those that all scenes have, where they are known.
         most_newton: steps of Newton's method.
 
@@ -280,7 +291,7 @@ def solve_batch(
     if edge is not None:
         terms = (EdgePressure(), *terms)
     rows = np.arange(len(scenes))
-    batch = Batch(scenes, rows, terms, (grid,), [tolerance], guess, edge_fields=edge)
+    batch = Batch(scenes, rows, terms, (grid,), [tolerance], guess, edge_fields=edge, many=many)
     launched = launch([batch], device=device, most_newton=most_newton)
     (((states,),)) = launched.wait_for_states(device)
     kept = states.copy()
@@ -359,11 +370,6 @@ def uses_single_precision(terms: Terms) -> bool:
     )
 
 
-def program_terms_and_precision(terms: Terms) -> tuple[Terms, bool]:
-    """Return the terms that a program has which solves films of some terms, and if in single."""
-    return compiled_terms(terms), uses_single_precision(terms)
-
-
 @lru_cache(maxsize=64)
 def program_source_files(terms: Terms, *, single: bool) -> tuple[str, ...]:
     """Files that a program of some terms is made of, in order."""
@@ -397,7 +403,7 @@ def launch(
             "where none are asked for"
         )
     launched = _packed_launch(batches, device)
-    compiled, single = program_terms_and_precision(terms)
+    compiled, single = batches[0].program
     periodic_state = compiled_kernel(
         device,
         "periodic_state",
@@ -406,7 +412,7 @@ def launch(
     )
     (flow_terms,) = launched.row_dtype["flow"].shape
     sizes = [
-        _workspace_doubles(grid, terms, flow_terms, single=single)
+        _workspace_doubles(grid, batch.terms, compiled, flow_terms, single=single)
         for batch in batches
         for grid in batch.grids
     ]
@@ -441,14 +447,14 @@ def _packed_launch(batches: Sequence[Batch], device: Device) -> Launch:
     spans, rows, parts, size = [], [], [], 0
     for batch in batches:
         of_batch, end = _result_spans(batch, end)
-        compiled = compiled_terms(batch.terms)
+        compiled, _ = batch.program
         numbers = equation_numbers_table(batch.scenes, batch.terms)
         columns = [
             (
                 tuple(name for term in compiled for name in term.OPERATOR_NAMES),
                 np.array(ABSENT_INDEX),
             ),
-            _grid_size_columns(batch.grids, batch.terms, batch.initial_guess is not None),
+            _grid_size_columns(batch.grids, batch.terms, compiled, batch.initial_guess is not None),
         ]
         for name in ("means", "state"):
             behind = np.multiply.outer(np.arange(len(batch)), of_batch[f"{name}_size"])
@@ -500,7 +506,7 @@ def _arrays_of_batch(
 ) -> Iterator[tuple[PackedArrays, np.ndarray | None]]:
     """A batch's arrays on each grid, and which of them each scene has; None where all have one."""
     grids, terms, aspect = batch.grids, batch.terms, batch.aspect
-    yield _matrices_of_grids(grids, terms, aspect), None
+    yield _matrices_of_grids(grids, terms, batch.program[0], aspect), None
     fields, at, means = packed_profiles(batch.scenes, grids, terms)
     yield fields, at
     yield time_modes_of_films(
@@ -515,7 +521,9 @@ def _arrays_of_batch(
 
 
 @lru_cache(maxsize=64)
-def _matrices_of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> PackedArrays:
+def _matrices_of_grids(
+    grids: tuple[Grid, ...], terms: Terms, compiled: Terms, aspect: float
+) -> PackedArrays:
     """The matrices of some grids, with those that carry a state to the next."""
     stages: list[dict[str, np.ndarray]] = []
     for coarse, grid in zip((None, *grids), grids, strict=False):
@@ -524,7 +532,7 @@ def _matrices_of_grids(grids: tuple[Grid, ...], terms: Terms, aspect: float) -> 
         stages.append({name: matrix[None] for name, matrix in matrices.items()})
     absent = [
         *INTERPOLATION_MATRIX_NAMES,
-        *(name for term in compiled_terms(terms) for name in term.INTERPOLATION_MATRIX_NAMES),
+        *(name for term in compiled for name in term.INTERPOLATION_MATRIX_NAMES),
     ]
     return pack_arrays(stages, absent=absent)
 
@@ -561,7 +569,7 @@ def grid_on_pad(scene: Scene, points: Grid) -> Grid:
     return replace(points, outline=scene.pad.smooth_outline)
 
 
-def build_kernels_for_scene(device: Device, scene: Scene) -> None:
-    """Build and load the kernels that a scene needs, so that the first batch need not wait."""
+def build_kernels_for_scene(device: Device, scene: Scene, *, many: bool) -> None:
+    """Build and load the kernels that a scene, or many like it, needs before the first batch."""
     grid = grid_on_pad(scene, Grid(4, 4, 8, False, False))
-    solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device)
+    solve_batch([replace(scene, hv_m=0.0)], grid, tolerance=1.0, device=device, many=many)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -49,19 +50,19 @@ ITERATION_TOLERANCE_FRACTION, REFINED_TOLERANCE_FRACTION = 1e-2, 0.1
 
 @dataclass(frozen=True, eq=False)
 class FilmOnGrids:
-    """A film on two grids, the finer one last.
+    """A film on two grids, the finer one last, or on one.
 
     Attributes:
         period_means: its gauge pressure's means over a period, (nx, ny) on each grid.
         mean_pressure_ratios: their means over the pad.
         residual, residual_error: what the iteration left of the mass, and of the last mean.
-        operation_count: floating-point operations on both grids.
+        operation_count: floating-point operations on the grids.
         states: those on the grids, where they were asked for.
     """
 
-    grids: tuple[Grid, Grid]
-    period_means: tuple[np.ndarray, np.ndarray]
-    mean_pressure_ratios: tuple[float, float]
+    grids: tuple[Grid, ...]
+    period_means: tuple[np.ndarray, ...]
+    mean_pressure_ratios: tuple[float, ...]
     residual: float
     residual_error: float
     operation_count: float
@@ -73,13 +74,17 @@ class FilmOnGrids:
         """Return the difference of two films' forces over this one's, and the error of that.
 
         The error is estimated as that of a force, by the difference of the fields in place of a
-        field: by how it changes from grid to grid, with the fall of thin layers.
+        field: by how it changes from grid to grid, with the fall of thin layers. One grid tells no
+        error: it is infinite.
         """
         if film is without:
             return 0.0, 0.0
-        coarse, fine = np.subtract(film.mean_pressure_ratios, without.mean_pressure_ratios) / (
+        *coarser, fine = np.subtract(film.mean_pressure_ratios, without.mean_pressure_ratios) / (
             self.mean_pressure_ratios
         )
+        if not coarser:
+            return float(fine), inf
+        (coarse,) = coarser
         differences = [b - a for a, b in zip(without.period_means, film.period_means, strict=True)]
         before, after = zip(self.grids, [each[None] for each in differences], strict=True)
         mean = abs(self.mean_pressure_ratios[1])
@@ -99,11 +104,11 @@ def films_on_grids_of(
     device: Device,
     keep_states: bool = False,
 ) -> dict[int, FilmOnGrids]:
-    """Solve some scenes on two grids of their like; by row, where both grids have a state.
+    """Solve some scenes on two grids of their like; by row, where all grids have a state.
 
     Args:
         plan: that of scenes of other terms, whose first grids to a tolerance these are.
-        refinements: by how many grids they are finer.
+        refinements: by how many grids they are finer; −1 for the coarser grid alone.
     """
     if not device.is_cpu:
         check_device(device)
@@ -112,6 +117,7 @@ def films_on_grids_of(
         "refinements": refinements,
         "device": device,
     }
+    grid_count = 2 if refinements >= 0 else 1
 
     def solve_rows(rows: np.ndarray) -> list[FilmOnGrids | None]:
         found: dict[int, FilmOnGrids] = {}
@@ -125,7 +131,8 @@ def films_on_grids_of(
                     launched = launch(batches, device=device)
                     states = launched.wait_for_states(device)
                     for batch, stages in zip(batches, states, strict=True):
-                        found |= _films_of_batch(batch, stages[-2:], keep_states=keep_states)
+                        stages = stages[-grid_count:]
+                        found |= _films_of_batch(batch, stages, keep_states=keep_states)
                         progress.update(len(batch.scene_rows))
                     device.recycle_arrays(*launched.pooled_host_arrays)
         except Exception:
@@ -161,11 +168,12 @@ def _batches_on_grids_of(
     capacity = max_unknowns_on_device(device)
     left = ITERATION_TOLERANCE_FRACTION * REFINED_TOLERANCE_FRACTION**refinements * tolerance
     for alike, _, grids in first_grids(plan, rows, tolerance=tolerance, capacity=capacity):
+        grids = grids[:-1] if refinements < 0 else grids
         for _ in range(refinements):
             finer = finer_grid(grids[-1], capacity=capacity)
             grids = (grids[-1], *([finer] if finer else []))
-        if len(grids) > 1:
-            tolerances = [START_GRID_TOLERANCE] * (len(grids) - 2) + [left] * 2
+        if len(grids) >= (1 if refinements < 0 else 2):
+            tolerances = [START_GRID_TOLERANCE] * (len(grids) - 2) + [left] * min(len(grids), 2)
             for part in equal_row_groups(term_set_index[alike]):
                 terms = _terms_on_grid(term_sets[term_set_index[alike[part[0]]]], grids[0])
                 yield Batch(scenes, alike[part], terms, grids, tolerances)
@@ -181,7 +189,7 @@ def _terms_on_grid(terms: Terms, grid: Grid) -> Terms:
 def _films_of_batch(
     batch: Batch, stages: Sequence[PeriodicStates], *, keep_states: bool
 ) -> dict[int, FilmOnGrids]:
-    coarse, fine = stages
+    fine = stages[-1]
     means = [states.gauge_pressure_ratio.mean(axis=-1) for states in stages]
     # A mass error w moves the pressure by about n w/H.
     stiffness = batch.scenes.gas.polytropic_exponent / batch.scenes.narrowest_gap_ratio
@@ -191,12 +199,12 @@ def _films_of_batch(
         * (states.result_rows["newton_steps"] + states.result_rows["krylov_iterations"])
         for states in stages
     )
-    solved = (coarse.status_indices == 0) & (fine.status_indices == 0)
+    solved = np.all([states.status_indices == 0 for states in stages], axis=0)
     return {
         int(batch.scene_rows[k]): FilmOnGrids(
-            (coarse.grid, fine.grid),
-            (means[0][k], means[1][k]),
-            (float(coarse.mean_pressure_ratio[k]), float(fine.mean_pressure_ratio[k])),
+            tuple(states.grid for states in stages),
+            tuple(mean[k] for mean in means),
+            tuple(float(states.mean_pressure_ratio[k]) for states in stages),
             residual=float(residual[k]),
             residual_error=float((stiffness * residual)[k]),
             operation_count=float(operations[k]),

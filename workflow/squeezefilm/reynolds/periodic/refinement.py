@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Sized
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,7 +21,6 @@ from squeezefilm.reynolds.periodic.launch import (
     Launch,
     PeriodicStates,
     launch,
-    program_terms_and_precision,
 )
 from squeezefilm.reynolds.periodic.resolution import (
     MAX_UNKNOWNS,
@@ -117,6 +116,7 @@ class Refinement:
             tolerances,
             guess,
             returns_every_grid=self.keep_states,
+            many=are_many(self.plan.scenes),
         )
         key = grids, terms, batch.aspect, guess is None
         self.queued_batches.setdefault(key, []).append(batch)
@@ -247,6 +247,11 @@ class Refinement:
         self.solutions.nt[rows] = grid.nt
 
 
+def are_many(scenes: Sized) -> bool:
+    """Return whether scenes that are solved are many (``compiled_terms``)."""
+    return len(scenes) > MAX_SCENES_PER_LAUNCH
+
+
 def max_unknowns_on_device(device: Device) -> float:
     """Return the most unknowns of a grid that a device has memory for."""
     fields = MIN_FIELDS_PER_WORK_GROUP * DEVICE_MEMORY_DIVISOR
@@ -269,11 +274,7 @@ def take_launch_batches(queued: dict[object, list[Batch]], *, most: int) -> list
         scene_bytes = 8 * sum([grid.unknown_count for grid in batch.grids])
         room = max((MAX_LAUNCH_STATE_BYTES - size) // scene_bytes, 0 if chosen else 1)
         count = min(most - scenes, room, len(batch))
-        if count <= 0 or (
-            chosen
-            and program_terms_and_precision(batch.terms)
-            != program_terms_and_precision(chosen[0].terms)
-        ):
+        if count <= 0 or (chosen and batch.program != chosen[0].program):
             continue
         if count < len(batch):
             queued[key] = [batch[count:]]
