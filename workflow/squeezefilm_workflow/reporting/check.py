@@ -338,7 +338,7 @@ def failures_first(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def terminal_text(table: pd.DataFrame, folder: Path) -> str:
-    """Return each part's worst quantity, all that failed in a folder of results, and the summary."""
+    """Return each part's worst quantity, what failed in a folder of results, and the summary."""
     failed = table["verdict"] != PASSED
     worst = table.loc[table.groupby("part", sort=False)["of_tolerance"].idxmax()]
     worst = worst[worst["verdict"] == PASSED]
