@@ -89,6 +89,7 @@ report: $(VENV)/.run
 	$(RUN) snakemake everything $(if $(CONFIG),--configfile $(CONFIG)) --report $(REPORT)
 
 benchmarks: paper
+	$(SNAKEMAKE) work_precision
 	$(RUN) squeezefilm-verification run-times --output docs/data
 
 test: $(VENV)/.dev

@@ -226,6 +226,11 @@ def test_a_film_that_steepens_keeps_its_row_and_its_reason():
     assert "not converged" in row.reason
 
 
+def test_run_times_are_written_to_the_tables_of_the_pages(repository):
+    shown = {path.stem for path in (repository / "docs/data").glob("*.csv")}
+    assert set(run_times.TABLE_FUNCTIONS) <= shown
+
+
 def test_run_times_of_terms_have_every_scene_solved(monkeypatch):
     monkeypatch.setattr(run_times, "TERM_SCENE_COUNT", 2)
     monkeypatch.setattr(run_times, "TERM_PAD_LENGTHS_M", {"disc": 0.04})

@@ -67,6 +67,14 @@ def test_of_what_failed_causes_stand_first():
     assert files == ["simulations", "fits", "claims"]
 
 
+def test_what_failed_stands_first_on_the_page():
+    fits, claims = (
+        quantities(FORCES)[1]._replace(part=part, item="screen") for part in ("fits", "claims")
+    )
+    table = compare_quantities([fits, claims], stored([fits]))
+    assert check.failures_first(table)["part"].tolist() == ["claims", "fits"]
+
+
 def with_cell(row: int) -> pd.Series:
     return FORCES["force_n"].where(FORCES.index != row, 0.9)
 

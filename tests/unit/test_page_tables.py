@@ -99,7 +99,7 @@ def test_the_summary_names_the_plans_and_points_of_a_recommended_model(tmp_path)
     results = models.Results(tmp_path, SimpleNamespace(paper=False))
     (row,) = summary._recommended_model_rows(results)
     assert row["model fitted on"] == "screen (64 points), recommended: limit_1"
-    assert row["validated on"] == "validation_two_factor (500 points)"
+    assert row["compared on"] == "validation_two_factor (500 points)"
     assert row["worst"].endswith("_four_factor, four_factor: 2125 points)")
 
 

@@ -114,11 +114,11 @@ WRONG = {
     "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "unknown column 'x_m'; a position is"),
     "text for a number": (f"{HEADER}\n1,5um,1e-6,0,0\n", "line 2: h0_m is '5um'"),
     "text in another unit": ("point_id,h0_um,hv_m\n1,5 um,1e-6\n", "line 2: h0_um is '5 um'"),
-    "what begins as a column does": ("gap_um,amp_um\n5,1\n", "'amp_um': did you mean 'hv_m', zero"),
+    "what begins as a column does": ("gap_um,amp_um\n5,1\n", "'amp_um' (did you mean 'hv_m', zero"),
     "several unknown columns": (
         "Nr.;Spalt h0 (µm);Amplitude hv pk-pk (µm);x\n1;5;2;0\n",
-        "unknown column 'Nr.'; unknown column 'Spalt h0 (µm)': did you mean 'h0_m'?; unknown "
-        "column 'Amplitude hv pk-pk (µm)': did you mean 'hv_m', zero to peak?; column 'x' needs "
+        "unknown column 'Nr.'; unknown column 'Spalt h0 (µm)' (did you mean 'h0_m'?); unknown "
+        "column 'Amplitude hv pk-pk (µm)' (did you mean 'hv_m', zero to peak?); column 'x' needs "
         "a unit, one of x_m",
     ),
     "infinity": (f"{HEADER}\n1,5e-6,1e-6,0,-inf\n", "line 2: phi_deg is '-inf'"),

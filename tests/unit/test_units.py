@@ -33,7 +33,10 @@ def test_the_units_of_parameters_follow_from_the_formula(expression, units):
 
 def test_the_papers_parameters_have_the_units_that_the_paper_uses():
     assert TWO_FACTOR.parameter_units == ("1", "1", "1")
-    assert FOUR_FACTOR.parameter_units == ("1", "1", "1", "1/deg", "1/m")
+    assert FOUR_FACTOR.parameter_units == ("1", "1", "1", "1", "1/m")
+    assert FOUR_FACTOR.formula_text.endswith(
+        "phi/phi_1 + theta4*r)*(hv/h0)**2) + theta2; phi_1 = 45 deg"
+    )
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,7 @@ def test_predict_knows_the_model_from_the_file_alone(name, write_fit, tmp_path):
         {
             "expression": model.expression,
             "parameters": dict(zip(model.parameter_names, model.parameter_units, strict=True)),
+            "constants": model.constants,
         },
         source="test",
     )

@@ -214,7 +214,7 @@ class Fit:
             ends = ["open" if end is None else f"{end:.4g}" for end in (low, high)]
             theta[known["name"]] += f", 95 % range {ends[0]} to {ends[1]}"
         theta |= {"parameters": "; ".join(fit.parameter_notes)} if fit.parameter_notes else {}
-        formula = f"{self.name}: {fit.force_model.expression}"
+        formula = f"{self.name}: {fit.force_model.formula_text}"
         row = {"formula": formula, **theta, "fitted_points": fit.points}
         return result_lines_text(
             row | {"global_error": fit.global_error, "validation": self.statement}

@@ -96,15 +96,21 @@ def command_summaries(place: str) -> dict[str, str]:
     return dict(SUMMARY_PATTERN.findall(Path(str(spec.origin)).read_text(encoding="utf-8")))
 
 
-def main(arguments: Sequence[str] | None = None, *, groups: CommandGroups = COMMAND_GROUPS) -> int:
-    """Run one command and return its exit status.
+def main(
+    arguments: Sequence[str] | None = None,
+    *,
+    groups: CommandGroups = COMMAND_GROUPS,
+    program: str = "squeezefilm",
+) -> int:
+    """Run one command of a program and return its exit status.
 
     The status is 0 for done, 1 for what could not be completed, 2 for invalid input, 130 after
     Ctrl-C, at which the loading of a command ends in one line as well.
     """
     enable_ascii_substitutes(sys.stdout, sys.stderr)
     try:
-        return _run_command(sys.argv[1:] if arguments is None else arguments, groups=groups)
+        words = sys.argv[1:] if arguments is None else arguments
+        return _run_command(words, groups=groups, program=program)
     except KeyboardInterrupt:
         sys.stderr.write(INTERRUPTED_MESSAGE)
         return 130
@@ -115,10 +121,11 @@ def main(arguments: Sequence[str] | None = None, *, groups: CommandGroups = COMM
         return 1
 
 
-def _run_command(arguments: Sequence[str], *, groups: CommandGroups) -> int:
+def _run_command(arguments: Sequence[str], *, groups: CommandGroups, program: str) -> int:
     commands, chosen = modules_by_command(groups), arguments[0] if arguments else ""
     if chosen not in commands:
-        _print_help_and_exit(arguments, commands, overview=overview_text(groups))
+        overview = overview_text(groups)
+        _print_help_and_exit(arguments, commands, overview=overview, program=program)
     for name in THREAD_COUNT_ENV_VARIABLES:
         os.environ.setdefault(name, "1")
     os.environ.setdefault(*PYDANTIC_PLUGINS_ENV_SETTING)
@@ -137,7 +144,7 @@ def _run_command(arguments: Sequence[str], *, groups: CommandGroups) -> int:
     from squeezefilm.parallel import show_progress
 
     parser = argparse.ArgumentParser(
-        prog=f"squeezefilm {chosen}",
+        prog=f"{program} {chosen}",
         description=inspect.cleandoc(command.run.__doc__),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -170,12 +177,12 @@ def join_negative_values(arguments: Sequence[str]) -> list[str]:
 
 
 def _print_help_and_exit(
-    arguments: Sequence[str], commands: Iterable[str], *, overview: str
+    arguments: Sequence[str], commands: Iterable[str], *, overview: str, program: str
 ) -> NoReturn:
     """Answer --help, --version or an unknown command."""
     parser = argparse.ArgumentParser(
-        prog="squeezefilm",
-        usage="squeezefilm COMMAND …",
+        prog=program,
+        usage=f"{program} COMMAND …",
         description="Squeeze-film forces from the Reynolds equation, and empirical models of them.",
         epilog=overview,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -183,9 +190,9 @@ def _print_help_and_exit(
     parser.add_argument("--version", action="version", version=f"squeezefilm {__version__}")
     if arguments and not arguments[0].startswith("-"):
         hint = _nearest_name_hint(arguments[0], commands)
-        parser.error(f"there is no command {arguments[0]!r}; {hint}`squeezefilm --help` names all")
+        parser.error(f"there is no command {arguments[0]!r}; {hint}`{program} --help` names all")
     parser.parse_args(arguments)
-    parser.error("which command? `squeezefilm --help` names them")
+    parser.error(f"which command? `{program} --help` names them")
 
 
 def _option_hint(word: str, known: Sequence[str]) -> str:

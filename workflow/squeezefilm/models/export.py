@@ -237,7 +237,7 @@ def _code_description(fit: FittedModel, table: LimitTable | None) -> list[str]:
     lines = [
         f"Mean force of a squeeze film by the model {fit.model}, in newtons.",
         "",
-        *textwrap.wrap(f"Formula: {model.expression}", 90, subsequent_indent="  "),
+        *textwrap.wrap(f"Formula: {model.formula_text}", 90, subsequent_indent="  "),
         f"Parameters: {', '.join(model.parameter_names) or 'none'}",
         f"Fitted to {fit.points} points with a global error of {100 * fit.global_error:.3g} %.",
         *textwrap.wrap(fit.statement.replace("φ", "phi"), 90),

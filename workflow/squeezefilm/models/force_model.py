@@ -72,6 +72,12 @@ class ExpressionModel:
         """The formula's text."""
         return self.parsed_expression.text
 
+    @property
+    def formula_text(self) -> str:
+        """The formula with its constants, for people."""
+        constants = [f"{name} = {value}" for name, value in self.constants.items()]
+        return "; ".join([self.expression, *constants])
+
     @cached_property
     def column_names(self) -> tuple[str, ...]:
         """The columns with results of physics that the model needs, besides the factors."""

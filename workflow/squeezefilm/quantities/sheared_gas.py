@@ -161,7 +161,7 @@ def first_order_remainder(
 
     Args:
         bearing: |Λ|.
-        shear_reynolds: Re* = ρ₀ |U| h²/(μ l) of the widest gap at rest.
+        shear_reynolds: Re* = ρ₀ |U| h²/(μ l0) of the widest gap at rest.
         vibrating_reynolds: Re = ρ₀ ω h²/μ there, times the fraction of the effects that vibration
             adds.
     """

@@ -95,7 +95,10 @@ def _parameters_page(
     data = pd.DataFrame(rows, columns=["fit", "points", "quantity", "unit", "value"])
     note = f"{simulation_error_note(results.forces(plan))} The formula gives F in newtons."
     if plan == "four_factor":
-        note += " The formula takes φ in degrees and r in metres."
+        note += (
+            " The formula takes φ in degrees and r in metres. θ3 is zero where a design has one "
+            "scene at two angles of radius 0."
+        )
     return Page({"title": title, "shown": _fits_side_by_side(data), "note": note}, {"csv": data})
 
 

@@ -31,7 +31,7 @@ from squeezefilm_workflow.reporting.results import Results
 
 PASSED, FAILED = "passed", "failed"
 CHECK_COLUMNS = (
-    *("part", "item", "quantity", "expected", "got", "tolerance", "verdict", "worst"),
+    *("part", "item", "quantity", "verdict", "expected", "got", "tolerance", "worst"),
     "of_tolerance",
 )
 REFERENCE_INDEX = ("item", "cell")
@@ -178,9 +178,8 @@ class CheckedQuantity(NamedTuple):
 def check_page(results: Results, *, reference: str) -> Page:
     """Every quantity of a study beside those of the reference in a folder."""
     table = check_table(results, Path(reference))
-    shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
-    # On a narrow screen the last columns are out of sight.
-    shown.insert(0, "verdict", shown.pop("verdict"))
+    shown = failures_first(table)
+    shown["of_tolerance"] = shown["of_tolerance"].map("{:.2g}".format)
     values = {
         "summary": passed_and_failed_text(table, study=results.folder.name),
         "table": shown,
@@ -224,7 +223,7 @@ def compare_quantities(
         verdict = PASSED if distances[worst] <= 1 else FAILED
         values = expected.get(worst, "–"), quantity.cell_texts.get(worst, "missing")
         rows.append(
-            (*quantity[:3], *values, str(quantity.tolerance), verdict, worst, distances[worst])
+            (*quantity[:3], verdict, *values, str(quantity.tolerance), worst, distances[worst])
         )
     return pd.DataFrame(rows, columns=list(CHECK_COLUMNS))
 
@@ -331,19 +330,20 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
     return f"All {len(table)} quantities that are compared passed."
 
 
-def terminal_text(table: pd.DataFrame, folder: Path) -> str:
-    """Return each part's worst quantity, all that failed in a folder of results, and the summary.
+def failures_first(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows that failed, then those that passed; of either, causes stand first."""
+    causes = list(FILE_TEMPLATE_OF_PART)
+    by_part = table.sort_values("part", key=lambda parts: parts.map(causes.index), kind="stable")
+    return by_part.sort_values("verdict", key=lambda verdicts: verdicts == PASSED, kind="stable")
 
-    Of what failed, causes stand first.
-    """
+
+def terminal_text(table: pd.DataFrame, folder: Path) -> str:
+    """Return each part's worst quantity, what failed in a folder of results, and the summary."""
     failed = table["verdict"] != PASSED
     worst = table.loc[table.groupby("part", sort=False)["of_tolerance"].idxmax()]
     worst = worst[worst["verdict"] == PASSED]
     kinds = {"Worst of each part": worst[["part", "item", "quantity", "of_tolerance"]]}
-    order = list(FILE_TEMPLATE_OF_PART)
-    rows = table[failed].sort_values(
-        "part", key=lambda parts: parts.map(order.index), kind="stable"
-    )
+    rows = failures_first(table[failed])
     if len(rows):
         kinds["Failed"] = rows
     items = zip(rows["part"], rows["item"], strict=True)

@@ -210,7 +210,7 @@ def _model_row_and_errors(
         "coverage": fit.prediction_interval.mean_coverage,
         "coverage_min": least["coverage"],
         "coverage_min_region": f"{least['third']} third of the {COLUMNS[least['quantity']].label}",
-        "expression": model.expression,
+        "expression": model.formula_text,
         "about": model.about or getattr(fit, "about", ""),
         "note": "",
     }

@@ -235,7 +235,7 @@ def _validation_error_row(results: Results, pair: str) -> dict[str, str]:
     h0_um, hv_um = 1e6 * errors["worst_h0_m"], 1e6 * errors["worst_hv_m"]
     return {
         "model fitted on": f"{fit} ({results.fit(fit).points} points)",
-        "validated on": f"{plan} ({errors['points']:g} points)",
+        "compared on": f"{plan} ({errors['points']:g} points)",
         "global error": percent_text(errors["global_error"]),
         "worst": (
             f"{percent_text(errors['worst_relative_error'])} (h0 {h0_um:.3g}, hv {hv_um:.3g} µm)"
@@ -254,7 +254,7 @@ def _recommended_model_rows(results: Results) -> Iterator[dict[str, str]]:
         plan = "screen" if space == "two_factor" else space
         yield {
             "model fitted on": f"{plan} ({best['fit_points']:g} points), recommended: {model}",
-            "validated on": f"validation_{space} ({best['validation_points']:g} points)",
+            "compared on": f"validation_{space} ({best['validation_points']:g} points)",
             "global error": percent_text(best["validation_error"]),
             "worst": f"{percent_text(best['worst_error'])} (validation_two_factor, "
             f"validation_four_factor, four_factor: {best['simulations']:g} points)",

@@ -20,7 +20,7 @@ COMMAND_GROUPS = {
 
 def verification() -> int:
     """Run one command that examines the solver and return its exit status."""
-    return main(groups=COMMAND_GROUPS)
+    return main(groups=COMMAND_GROUPS, program="squeezefilm-verification")
 
 
 if __name__ == "__main__":

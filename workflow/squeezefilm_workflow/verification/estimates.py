@@ -40,6 +40,7 @@ ERROR_ESTIMATE_GUARDS: dict[str, tuple[Any, float]] = {
     "RATIO_SAFETY_FACTOR": (error_estimate, 1.0),
     "DEFAULT_CONVERGENCE_RATIO": (error_estimate, 0.0),
     "THIN_LAYER_CONVERGENCE_RATIO": (resolution, 0.0),
+    "THIN_LAYER_VELOCITY_CONVERGENCE_RATIO": (resolution, 0.0),
     "ERRATIC_CONVERGENCE_SIGMA": (resolution, float("inf")),
     "ERRATIC_VELOCITY_SIGMA": (resolution, float("inf")),
     "VELOCITY_CHANGE_SIZE_FRACTION": (error_estimate, 0.0),

@@ -5,6 +5,7 @@ import re
 import resource
 import subprocess
 import sys
+from collections.abc import Callable
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -19,19 +20,15 @@ from squeezefilm.film.pad import Pad
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.parallel import print_step
 from squeezefilm.reynolds import solve
-from squeezefilm.reynolds.device import choose_device
 from squeezefilm.reynolds.terms import terms_label, terms_of
 from squeezefilm.studies.plans import random_plan
 from squeezefilm.studies.space import space_of_study
 from squeezefilm_workflow.verification.films import PISTON_PROFILE, SHAPE_OF_PAD_NAME
 from squeezefilm_workflow.verification.origin import write_with_origin
-from squeezefilm_workflow.verification.work_precision import (
-    TIMED_FILMS,
-    measure_call_times,
-    work_precision_table,
-)
+from squeezefilm_workflow.verification.work_precision import TIMED_FILMS, measure_call_times
 
 PAPER_CONFIG_PATH = "config/paper.yaml"
+WORK_PRECISION_PATH = Path("results/paper/numerics/work_precision.csv")
 RESOURCES_LINE_PATTERN = re.compile(
     r"^Used: ([\d.]+) s of processor time, (\d+) MB\n\Z", re.MULTILINE
 )
@@ -58,23 +55,21 @@ TIMING_ROUNDS = 9
 def run_times(options: argparse.Namespace) -> None:
     """Measure run times on this machine: six tables.
 
-      make paper && squeezefilm-verification run-times --output docs/data
+      make paper && snakemake work_precision
+      squeezefilm-verification run-times --output docs/data
 
     `paper_times.csv`: processor time by rule, of every job that has left a log in logs/paper;
     `force_times.csv`: of one force from the shell by part; `batch_times.csv`: of random scenes of
     the four-factor space, on host and device; `term_times.csv`: of a square and a disc with and
-    without inertia and thermal effects; `equal_error.csv`, `equal_error_with_effects.csv`: of other
-    methods, and how often the solver's is in it where its error is no larger. Nothing else should
-    run meanwhile.
+    without inertia and thermal effects; `equal_error.csv`, `equal_error_with_effects.csv`: other
+    methods over the solver at an error that is no larger, in the runs of work_precision.csv.
+    Nothing else should run meanwhile.
     """
-    for measured in (
-        *(paper_run_times, one_force_times, batch_times, times_by_term),
-        *(equal_error_times, equal_error_times_with_effects),
-    ):
-        print_step(f"{measured.__name__}: measuring")
+    for name, measured in TABLE_FUNCTIONS.items():
+        print_step(f"{name}: measuring")
         table = measured()
         print(table.to_string(index=False))
-        path = options.output / f"{measured.__name__}.csv"
+        path = options.output / f"{name}.csv"
         write_with_origin(table, path, command="run-times --output docs/data")
 
 
@@ -172,16 +167,18 @@ def times_by_term() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns)
 
 
-def equal_error_times(films: tuple[Scene, ...] = TIMED_FILMS[1:2]) -> pd.DataFrame:
+def equal_error(films: tuple[Scene, ...] = TIMED_FILMS[1:2]) -> pd.DataFrame:
     """First and last run of each other method on films, and the solver's at equal error.
 
-    Of those runs that a run of the solver is no worse than.
+    Of those runs in WORK_PRECISION_PATH that a run of the solver is no worse than.
+    Raises InputError where there is no such file.
     """
-    runs = work_precision_table(
-        films, repeats=9, batch=100, longest_seconds=2.0, rungs=10, device=choose_device()
-    )
+    if not WORK_PRECISION_PATH.exists():
+        raise InputError(f"{WORK_PRECISION_PATH}: is missing; run `snakemake work_precision` first")
+    runs = pd.read_csv(WORK_PRECISION_PATH).dropna(subset="speedup")
+    runs = runs[runs["case"].isin([film.point_id for film in films])]
     runs["relative_error"] = runs["relative_error"].clip(lower=runs["reference_uncertainty"])
-    ends = runs.dropna(subset="speedup").groupby(["case", "method"], sort=False).nth([0, -1])
+    ends = runs.groupby(["case", "method"], sort=False).nth([0, -1])
     columns = {
         "its error": "relative_error",
         "its seconds": "cpu_s",
@@ -195,9 +192,20 @@ def equal_error_times(films: tuple[Scene, ...] = TIMED_FILMS[1:2]) -> pd.DataFra
     return pd.DataFrame({"film": ends["case"], "other method": ends["method"], **shown})
 
 
-def equal_error_times_with_effects() -> pd.DataFrame:
+def equal_error_with_effects() -> pd.DataFrame:
     """Return the same of films with inertia and thermal effects."""
-    return equal_error_times(TIMED_FILMS[4:])
+    return equal_error(TIMED_FILMS[4:])
+
+
+TABLE_FUNCTIONS: dict[str, Callable[[], pd.DataFrame]] = {
+    "paper_times": paper_run_times,
+    "force_times": one_force_times,
+    "batch_times": batch_times,
+    "term_times": times_by_term,
+    "equal_error": equal_error,
+    "equal_error_with_effects": equal_error_with_effects,
+}
+"""What measures each table, by the table's name."""
 
 
 def child_cpu_seconds(*words: str) -> float:
