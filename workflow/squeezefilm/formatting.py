@@ -47,7 +47,7 @@ ERROR_PERCENT_COLUMNS = (
 )
 """Errors without a value beside them: rounded up, as those with one are."""
 HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
-    *("bearing_percent", "bearing_error_percent"),
+    *("bearing_percent", "bearing_error_percent", "mass_kg"),
 }
 NOT_AVAILABLE_TEXT, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
 NOT_VALIDATED_TEXT = "not validated"
