@@ -42,11 +42,11 @@ LEVITATION_COLUMNS: dict[str, Callable[[Levitation], object]] = {
 
 
 class Load(NamedTuple):
-    """What a film carries.
+    """A load on a film, and its mass.
 
     Attributes:
-        force_n: the load.
-        mass_kg: mass that floats, for its resonance; None for none.
+        force_n: weight, or another force.
+        mass_kg: levitated mass, for its resonance; None where there is none.
     """
 
     force_n: float
