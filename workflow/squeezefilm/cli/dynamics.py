@@ -174,9 +174,10 @@ def response(options: argparse.Namespace) -> None:
     effects; films whose averaged settled force is over 3 % in error are not supported. What the
     averaged equation neglects is stated as a change in %: first-order slip by the same equation
     with slip, inertia and thermal effects by the periodic forces' gain for slow modulation (their
-    effect on corner and settling times is not available). `validity` is `ok`, or the limits of
-    validity that a scene exceeds under this equation. The exit status is 1 for a single scene
-    outside them, and where a scene has no response.
+    effect on corner and settling times is not available).
+
+    `validity` is `ok`, or the limits of validity that a scene exceeds under this equation.
+    The exit status is 1 for a single scene outside them, and where a scene has no response.
     """
     film = film_of_options(options)
     points, alone = points_unless_scenes_table(options), options.scenes is None
