@@ -8,7 +8,8 @@ import pytest
 
 from squeezefilm.api.film import Film
 from squeezefilm.cli import main as cli
-from squeezefilm.config.loading import load_config, study_notes
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.notes import study_notes
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
 from squeezefilm.studies.plans import plan_scenes_table
@@ -87,6 +88,11 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     (HZ, "-3", "frequency: -3 should be greater than or equal to 0.001; allowed"),
     ("kind: sinc", "kind: bassel", "kind: 'bassel' is none of `sinc`, `piston`"),
     (SINC, f"{WAVE}, surface: 1", "unknown key 'surface'; allowed are crest, direction, kind"),
+    (
+        "  surface_radius: 10 mm",
+        "  surface: {shape: disc, length_x: 4 cm, length_y: 4 cm}",
+        "'disc' is not `rectangle`; its outline; a disc has `actuator.surface_radius` in place of",
+    ),
     ("  length_x: ", "  contour: 1\n  length_x: ", "pad: unknown key 'contour'"),
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
     (

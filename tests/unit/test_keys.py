@@ -8,12 +8,8 @@ from jsonschema import Draft202012Validator
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.keys import key_table, schema_of_key, study_schema, unit_of_schema
-from squeezefilm.config.loading import (
-    STUDY_SECTION_NAMES,
-    USUAL_RANGE_AND_INPUT_UNIT,
-    load_config,
-    units_of_numbers,
-)
+from squeezefilm.config.loading import STUDY_SECTION_NAMES, load_config
+from squeezefilm.config.notes import USUAL_RANGE_AND_INPUT_UNIT, units_of_numbers
 from squeezefilm.config.study import Study
 from squeezefilm.film.pad import GapShape
 

@@ -13,7 +13,8 @@ import yaml
 
 from squeezefilm.cli import main as cli
 from squeezefilm.cli.setup import cache_folder_states
-from squeezefilm.config.loading import load_config, study_notes
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.notes import study_notes
 from squeezefilm.studies.study import check_study
 
 

@@ -141,7 +141,7 @@ def checked_study():
     kept = Path(".snakemake") / "squeezefilm" / f"{key}.json"
     if kept.exists():
         return json.loads(kept.read_text())
-    from squeezefilm.config.loading import target_force_notes, unit_notes
+    from squeezefilm.config.notes import target_force_notes, unit_notes
     from squeezefilm.models.force_model import check_models_of_study
     from squeezefilm.studies.plans import chunk_counts
     from squeezefilm.studies.study import check_study

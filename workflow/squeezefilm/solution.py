@@ -201,6 +201,9 @@ class Derivatives:
         return row | {"derivatives_status": self.status}
 
 
+# Ends of the interval of the modelling error, over the force.
+MODELLING_ERROR_COLUMNS = [f"modelling_error_{end}_percent" for end in ("lower", "upper")]
+
 # What may be asked for beside the mean force: the numbers of each output and their columns.
 # docs/outputs.md has their signs and formulas.
 OUTPUT_COLUMNS: dict[str, dict[str, str]] = {}

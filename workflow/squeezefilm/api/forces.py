@@ -35,7 +35,7 @@ from squeezefilm.reynolds.dry_run import dry_run
 from squeezefilm.reynolds.kernel_cache import build_lock
 from squeezefilm.reynolds.periodic.launch import build_kernels_for_scene
 from squeezefilm.reynolds.terms import validity_notes
-from squeezefilm.solution import SOLUTION_COLUMNS, Solutions
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS, SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of_config
 from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
 
@@ -256,8 +256,7 @@ def forces_table(
         row = {name: getattr(force.solution, name) for name in names}
         row |= {**force.scan_columns, **force.solution.requested_row}
         if force.budget.status != NOT_REQUESTED_STATUS:
-            least, most = force.modelling_error_percent
-            row |= {"modelling_error_lower_percent": least, "modelling_error_upper_percent": most}
+            row |= zip(MODELLING_ERROR_COLUMNS, force.modelling_error_percent, strict=True)
         rows.append(row)
     return points.assign(**pd.DataFrame(rows, index=points.index))
 

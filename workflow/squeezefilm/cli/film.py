@@ -37,10 +37,8 @@ from squeezefilm.files import atomic_file
 from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.quantities.model_error import budget_row
-from squeezefilm.solution import OUTPUT_COLUMNS
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS, OUTPUT_COLUMNS
 from squeezefilm.tables import read_scenes, write_table
-
-MODELLING_ERROR_COLUMNS = ("modelling_error_lower_percent", "modelling_error_upper_percent")
 
 
 @command(

@@ -14,7 +14,8 @@ from typing import Any
 
 from squeezefilm.api.film import Film, factor_combinations
 from squeezefilm.columns import error_columns
-from squeezefilm.config.loading import load_film, unit_notes
+from squeezefilm.config.loading import load_film
+from squeezefilm.config.notes import unit_notes
 from squeezefilm.errors import InputError
 from squeezefilm.formatting import ERROR_PERCENT_COLUMNS, json_text, result_lines_text
 from squeezefilm.lazy import pd

@@ -13,8 +13,8 @@ from squeezefilm.config.loading import (
     load_config,
     load_film,
     parse_config,
-    study_notes,
 )
+from squeezefilm.config.notes import study_notes
 from squeezefilm.config.study import Study
 from squeezefilm.config.writing import effective_yaml
 from squeezefilm.errors import InputError, RunError

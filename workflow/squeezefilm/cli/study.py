@@ -15,7 +15,8 @@ from squeezefilm.cli.options import (
     result_text,
     table_output_option,
 )
-from squeezefilm.config.loading import load_config, unit_notes
+from squeezefilm.config.loading import load_config
+from squeezefilm.config.notes import unit_notes
 from squeezefilm.errors import prefix_errors
 from squeezefilm.files import file_digest
 from squeezefilm.studies.tasks.scan_errors import scan_report

@@ -19,7 +19,7 @@ from squeezefilm.config.keys import (
     schema_of_key,
     unit_of_schema,
 )
-from squeezefilm.config.loading import unit_notes_of_value
+from squeezefilm.config.notes import unit_notes_of_value
 from squeezefilm.sections import KeyPath, key_of_name
 from squeezefilm.units import (
     NUMBER_PATTERN,
@@ -104,6 +104,8 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
         hint = f"; did you mean {close!r}?" if close else ""
         return f"{where}: {wrong!r} is none of {allowed_values_text(part)}{hint}"
     value = reprlib.repr(wrong)
+    if "const" in part and "description" in part:
+        return f"{where}: {value} is not `{part['const']}`; {part['description']}"
     text = f"{where}: {value} {error['msg'].partition(' ')[2]}"
     if kind in TEXT_ERROR_TYPES and "description" in part:
         return f"{text}; it is the {part['description']}"

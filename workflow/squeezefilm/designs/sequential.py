@@ -45,6 +45,7 @@ from squeezefilm.designs.optimal import Array, Indices, exact_design_by_exchange
 from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import (
+    CONFIDENCE_LEVEL,
     check_identifiable,
     fit_model,
     local_fit_theta,
@@ -56,7 +57,6 @@ from squeezefilm.units import error_text
 PointSimulator = Callable[[Indices], tuple[Array, Array]]
 """From points of the pool to their forces and the errors of these, in newtons."""
 
-CONFIDENCE_LEVEL = 0.95
 MAX_RESIDUAL_ERROR_RATIO = 3.0
 """A misfit below so many times the simulations' own error may come from them."""
 

@@ -145,7 +145,7 @@ class Rectangle:
     Pads lie on it by x and y, modes are Legendre's products in stretched coordinates.
 
     Attributes:
-        shape: its outline
+        shape: its outline; a disc has `actuator.surface_radius` in place of `actuator.surface`
         length_x_m: its side along x
         length_y_m: its side along y
     """

@@ -33,7 +33,7 @@ from squeezefilm.reynolds.terms.inertia import Inertia
 from squeezefilm.reynolds.terms.rarefaction import slip_flow
 from squeezefilm.reynolds.terms.term import Term
 from squeezefilm.reynolds.terms.thermal import Thermal
-from squeezefilm.solution import Solution
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS, Solution
 
 # Tolerance of the first grids of a film with all effects, on which its forces with and without
 # each are solved for; finer ones, so many times, where their error is more than a fraction of the
@@ -624,8 +624,7 @@ def budget_row(budget: ErrorBudget) -> dict[str, object]:
         row[f"{name}_error_percent"] = effect.error_percent
     row["edge_loss_upper_percent"] = budget.edge_loss_upper_percent
     row["higher_orders_percent"] = budget.higher_orders_percent
-    lower, upper = budget.modelling_error_percent
-    row |= {"modelling_error_lower_percent": lower, "modelling_error_upper_percent": upper}
+    row |= zip(MODELLING_ERROR_COLUMNS, budget.modelling_error_percent, strict=True)
     included = [name for name, effect in budget.effects.items() if effect.included]
     return row | {
         "included_effects": "; ".join(included),

@@ -21,8 +21,9 @@ import pandas as pd
 from squeezefilm.formatting import interval_text
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS
 from squeezefilm.tables import read_timings
-from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
+from squeezefilm_workflow.reporting.results import Results
 
 CLAIM_COLUMNS = ("claim_id", "kind", "claim", "paper", "ours", "unit", "verdict", "explanation")
 CLAIMS = pd.read_csv(

@@ -13,6 +13,7 @@ from squeezefilm.config.writing import STUDY_FILE_NAME
 from squeezefilm.errors import InputError, append_remedy
 from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fit_file import FittedModel, read_fit
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS
 from squeezefilm.tables import (
     read_columns,
     read_design,
@@ -22,9 +23,6 @@ from squeezefilm.tables import (
     read_scenes,
 )
 from squeezefilm_workflow.reporting.notes import validity_note
-
-MODELLING_ERROR_COLUMNS = [f"modelling_error_{end}_percent" for end in ("lower", "upper")]
-"""Columns of a budget: the bounds of the modelling error."""
 
 
 @dataclass(frozen=True)

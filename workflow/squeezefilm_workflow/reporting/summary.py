@@ -7,12 +7,13 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.columns import COLUMNS
-from squeezefilm.config.loading import differences_from_paper
+from squeezefilm.config.notes import differences_from_paper
 from squeezefilm.film.pad import net_points_on_pad
 from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import column_label, interval_text
 from squeezefilm.provenance import provenance_record
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS
 from squeezefilm.units import error_text, value_and_error_texts
 from squeezefilm_workflow.reporting.models import rows_of_extreme_amplitudes
 from squeezefilm_workflow.reporting.notes import (
@@ -24,7 +25,7 @@ from squeezefilm_workflow.reporting.notes import (
     signed_text,
 )
 from squeezefilm_workflow.reporting.pages import Page, html_of_markdown, render_template
-from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
+from squeezefilm_workflow.reporting.results import Results
 
 EFFECT_COLUMN_STEMS = ("inertia", "slip", "thermal", "edge_loss", "edge_flow")
 NEGLIGIBLE_FRACTION = 1e-3

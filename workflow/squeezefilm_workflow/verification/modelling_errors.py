@@ -17,6 +17,7 @@ from squeezefilm.film.profiles import BesselMode, Piston, Profile, Sinc, Standin
 from squeezefilm.film.scene import Actuator, Film, Gas, Scene
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.validity import validity_text
+from squeezefilm.quantities.edge_effects import EDGE_LOSS_COEFFICIENTS
 from squeezefilm.quantities.model_error import (
     AUTO_TERM_TOLERANCE,
     ErrorBudget,
@@ -24,6 +25,7 @@ from squeezefilm.quantities.model_error import (
     resolve_auto_terms,
     unsupported_auto_term_texts,
 )
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.verification.all_effects import (
     Effects,
@@ -46,7 +48,6 @@ PROFILE_PROBABILITIES = {"sinc": 0.35, "bessel": 0.3, "standing-wave": 0.25, "pi
 # Where a node lies: over the distance of the edge from the centre along x.
 NODE_DISTANCE_RANGES = {"edge": (0.9, 1.1), "within": (0.35, 0.9), "outside": (1.1, 4.0)}
 FIRST_BESSEL_J0_ZERO = 2.404825557695773
-EDGE_LOSS_COEFFICIENTS = (1.0, 1.54)
 # Range of Re of the films of which `auto` neglects some effects.
 SMALL_REYNOLDS_RANGE = (0.01, 2.0)
 # Rows of a budget that the film with all effects does not answer.
@@ -144,7 +145,7 @@ def modelling_error_row(seed: int) -> dict[str, Any]:
     (budget,) = error_budgets([scene])
     lower, upper = interval_bounds_percent(budget)
     row = _film_row(seed, drawn.point_id, scene)
-    row |= {"modelling_error_lower_percent": lower, "modelling_error_upper_percent": upper}
+    row |= zip(MODELLING_ERROR_COLUMNS, (lower, upper), strict=True)
     effects = [
         Effects(edge_loss_coefficient=coefficient, edge_flow=True)
         for coefficient in EDGE_LOSS_COEFFICIENTS

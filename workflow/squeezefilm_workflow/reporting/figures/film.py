@@ -13,6 +13,7 @@ from squeezefilm.columns import COLUMNS
 from squeezefilm.film.positions import find_position_columns
 from squeezefilm.film.validity import OK
 from squeezefilm.formatting import column_label
+from squeezefilm.solution import MODELLING_ERROR_COLUMNS
 from squeezefilm.units import error_text
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import (
@@ -20,7 +21,7 @@ from squeezefilm_workflow.reporting.notes import (
     reynolds_validity_limit,
     signed_text,
 )
-from squeezefilm_workflow.reporting.results import MODELLING_ERROR_COLUMNS, Results
+from squeezefilm_workflow.reporting.results import Results
 
 COLOUR_OF_EFFECT = {
     "inertia": style.BLUE,

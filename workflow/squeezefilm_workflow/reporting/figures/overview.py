@@ -23,7 +23,7 @@ PanelRectangle = tuple[float, float, float, float]
 """Left, bottom, width and height, as shares of the figure's."""
 LABEL_FONT_SIZE, TICK_FONT_SIZE = 6.5, 6
 DOT_STYLE: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.6, "zorder": 4}
-GAP_AMPLITUDE_LABELS = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
+GAP_AXIS_LABELS = (r"gap $h_0$ (µm)", r"amplitude $h_v$ (µm)")
 
 
 def overview(results: Results) -> Figure:
@@ -76,11 +76,11 @@ def overview(results: Results) -> Figure:
     )
     parts.draw_dots(axes, few, fill="black", **DOT_STYLE, markersize=6)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 5, 10]))
-    _label_axes(axes, *GAP_AMPLITUDE_LABELS)
+    _label_axes(axes, *GAP_AXIS_LABELS)
     axes = figure.add_axes(fourth)
     filled, _ = parts.draw_error_contours(axes, results, bins=12, colors="0.3", linewidths=0.3)
     parts.draw_dots(axes, few, fill="black", **DOT_STYLE, markersize=4.5)
-    _label_axes(axes, *GAP_AMPLITUDE_LABELS)
+    _label_axes(axes, *GAP_AXIS_LABELS)
     box = axes.get_position()
     bar = figure.colorbar(filled, cax=figure.add_axes((box.x1 + 0.015, box.y0, 0.018, box.height)))
     bar.ax.tick_params(labelsize=TICK_FONT_SIZE, direction="out", pad=1, length=2)
