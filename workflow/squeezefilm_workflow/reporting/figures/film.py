@@ -164,8 +164,9 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
 
 def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
-    columns = ("h0_m", "hv_m", "corner_hz", "corner_error_hz", "instantaneous_fraction_error")
-    table = results.table("simulations/screen/response.csv", *columns)
+    errors = ("corner_error_hz", "instantaneous_fraction_error")
+    file = "simulations/screen/response.csv"
+    table = results.table(file, "h0_m", "hv_m", "corner_hz", *errors)
     table.loc[table["corner_error_hz"] >= table["corner_hz"], "corner_hz"] = np.nan
     table["instantaneous_percent"] = 100 * table["instantaneous_fraction"]
     maps = parts.with_micrometre_columns(table)
