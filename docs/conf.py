@@ -148,7 +148,9 @@ def write_generated() -> None:
     names = (f"| `{name}` | {' | '.join(column[1:4])} |" for name, column in COLUMNS.items())
     head = "| column | unit | meaning | tables |", "| --- | --- | --- | --- |"
     (GENERATED / "columns.md").write_text("\n".join([*head, *names]), encoding="utf-8")
-    (GENERATED / "keys.md").write_text(key_table(study_schema()), encoding="utf-8")
+    pages = re.compile(r"docs/([\w/-]+\.md)")
+    keys = pages.sub(r"[](/\1)", key_table(study_schema()))
+    (GENERATED / "keys.md").write_text(keys, encoding="utf-8")
     table, sources = stored(GASES_TABLE_PATH)
     (GENERATED / "gases.md").write_text("\n".join([*table, "", *sources]), encoding="utf-8")
     (GENERATED / "citation.md").write_text("\n".join(citation()), encoding="utf-8")

@@ -14,7 +14,8 @@ def model_values(lines: list[str]) -> dict[str, float]:
     """What a model gives, by the words before it: in a table, the column before the first error."""
     values: dict[str, float] = {}
     column = 0
-    for words in filter(None, map(str.split, lines)):
+    for numbered in filter(None, map(str.split, lines)):
+        words = numbered[numbered[0].isdigit() :]  # without the number of a row with notes
         errors = [place for place, word in enumerate(words) if "_error_" in f"_{word}"]
         if errors and not column:
             column = errors[0] - 1

@@ -235,7 +235,7 @@ def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsy
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"h0": "5", "hv": 1e-6}, "h0 '5' must be one number with its unit: m, mm, um, µm, nm"),
+        ({"h0": "5", "hv": 1e-6}, "h0 '5' must be a number with its unit: m, mm, um, µm, nm"),
         ({"h0": 5e-6, "hv": "1, 2 um"}, "one scene is asked for, not 2"),
         ({"h0": 5e-6, "hv": 5e-6}, "surface and pad touch"),
     ],
@@ -276,8 +276,9 @@ def test_both_forms_of_position_are_refused_and_so_is_an_unknown_column(study, f
     for use in (study.scenes, fit.predict_at):
         with pytest.raises(sf.InputError, match="unknown column 'x_m'; a position is"):
             use(both)
-    with pytest.raises(sf.InputError, match="unknown column 'speed'; the table needs h0_m, hv_m;"):
-        study.forces(pd.DataFrame({**AT, "speed": [1.0]}))
+    for use in (study.forces, fit.predict_at):
+        with pytest.raises(sf.InputError, match="unknown column 'xx_mm'; did you mean 'x_m'"):
+            use(pd.DataFrame({**AT, "xx_mm": [1.0]}))
     with pytest.raises(sf.InputError, match="column 'hv_m' is missing; it has h0_m"):
         fit.predict_at(pd.DataFrame({"h0_m": [5e-6]}))
 
@@ -287,8 +288,8 @@ def test_a_column_in_another_unit_is_read_as_in_a_file(study, fit, name):
     named = pd.DataFrame({"h0_um": [5.0], "hv_m": [1e-6], name: [2], "y_m": [0.0]})
     (scene,) = study.scenes(named)
     assert (scene.h0_m, scene.x_m) == (5e-6, 2e-3)
-    predicted = fit.predict_at(named.assign(sample="a"))
-    assert predicted[["h0_m", "x_m", "sample"]].to_numpy().tolist() == [[5e-6, 2e-3, "a"]]
+    predicted = fit.predict_at(named)
+    assert predicted[["h0_m", "x_m"]].to_numpy().tolist() == [[5e-6, 2e-3]]
     assert list(named) == ["h0_um", "hv_m", name, "y_m"]
 
 

@@ -43,12 +43,16 @@ def failed(table: pd.DataFrame) -> list[str]:
     return rows.loc[rows["verdict"] != PASSED, "quantity"].tolist()
 
 
-def test_what_failed_is_shown_once_with_its_file_and_what_to_do():
+def test_what_failed_is_shown_once_with_its_file_and_what_to_do(tmp_path):
     found = [item._replace(part="simulations", item="screen") for item in quantities(FORCES)]
     table = compare_quantities(found, stored(found) | {found[2][:3]: {"row 1": "7"}})
-    text = check.terminal_text(table, Path("results/mine"))
+    file = tmp_path / "mine/simulations/screen/forces.csv"
+    text = check.terminal_text(table, tmp_path / "mine")
     assert len(re.findall(r"\bforce_n\b", text)) == 1
-    assert "results/mine/simulations/screen/forces.csv" in text
+    assert f"{file}: not made yet\n" in text
+    file.parent.mkdir(parents=True)
+    file.touch()
+    assert f"{file}\n" in check.terminal_text(table, tmp_path / "mine")
     assert "`make reference STUDIES=mine`" in text
 
 

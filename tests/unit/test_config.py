@@ -83,6 +83,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
         "43.27 khz",
         "actuator.frequency: '43.27 khz' should be a valid number; write '43.27 kHz'",
     ),
+    (SINC, f"{SINC}, crest: 1,5 mm", "unknown key '5 mm'; write a decimal point"),
     ("  frequency:", "\tfrequency:", "indent by spaces: YAML allows no tab there"),
     (HZ, "28 mm", f"actuator.frequency: '28 mm' is a length; a frequency is wanted; {LIKE}"),
     (HZ, "-3", "frequency: -3 should be greater than or equal to 0.001; allowed"),
@@ -95,6 +96,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ),
     ("  length_x: ", "  contour: 1\n  length_x: ", "pad: unknown key 'contour'"),
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
+    ("inertia: none", "inertia: on", "'on' is none of `none`, `included`, `auto`\n"),
     (
         SINC,
         "kind: bessel, nodal_diameters: 0, wave_number: 0.38 1/mm",
@@ -120,7 +122,7 @@ def test_a_wrong_study_is_refused(old, new, message, paper, study):
     assert old in paper
     with pytest.raises(InputError) as refusal:
         load(study(paper.replace(old, new, 1)))
-    assert message in str(refusal.value)
+    assert message in f"{refusal.value}\n"
     assert "study.yaml" in str(refusal.value)
 
 

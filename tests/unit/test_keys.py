@@ -48,3 +48,10 @@ def test_a_crowned_gap_is_as_its_key_says():
         expected_m = 3e-6 * eval(formula, sides | {"x": x, "y": y})
         rise_m = GapShape(crown_m=3e-6).rise_m(*np.array([0.5 + x / 8e-3, 0.5 + y / 2e-3]))
         assert rise_m == pytest.approx(expected_m)
+
+
+def test_a_pair_and_an_empty_choice_have_unit_and_values_in_the_table():
+    table = key_table(study_schema())
+    assert "| `profile.origin` | m | a list: −10 … 10 |" in table
+    assert "| `profile.along` |  | `''`, `x`, `y` | `''` |" in table
+    assert "| `profile.constants` |  |  | `{}` |" in table

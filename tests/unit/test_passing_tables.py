@@ -254,6 +254,19 @@ def test_results_of_other_commands_do_not_stand_beside_predictions(run, written)
     assert {"point_id", "h0_m", "hv_m", "force_n", "error_95_n"} <= {*predicted}
 
 
+@pytest.mark.parametrize("reader", ["fit", "validate"])
+def test_forces_at_a_misspelt_position_are_not_taken_for_the_centre(
+    reader, written, refused, study, tmp_path
+):
+    words, path = READERS[reader][0], tmp_path / "forces.csv"
+    forces = pd.read_csv(written["curve"]).drop(columns=["x_m", "y_m"], errors="ignore")
+    forces.assign(xx_mm=1.0).to_csv(path, index=False)
+    words = [word.format(fit=study.parent / "fit.json") for word in words]
+    output = tmp_path / f"output.{ENDINGS.get(reader, 'csv')}"
+    told = refused(*words, path, f"--config={study}", f"--output={output}")
+    assert "unknown column 'xx_mm'; did you mean 'x_m'?" in told
+
+
 def test_an_unknown_model_is_no_fault_of_the_forces(written, refused, study):
     words = ("--model=none", f"--config={study}", "--output=x.json")
     assert "squeezefilm: error: model 'none' is unknown" in refused("fit", written["curve"], *words)

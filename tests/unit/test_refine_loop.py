@@ -62,7 +62,7 @@ def wavy(share: float) -> Callable[[np.ndarray], np.ndarray]:
 
 def test_a_model_that_holds_reaches_the_wanted_error():
     found, asked = run(model(QUADRATIC), wavy(0))
-    assert found.verdict == "targets met"
+    assert found.verdict == "estimates meet targets"
     np.testing.assert_allclose(found.rounds[-1].theta, [5, 3], rtol=1e-6)
     assert len(asked) == len(set(asked)) == found.rounds[-1].simulations <= 20
 
@@ -78,7 +78,7 @@ def test_a_small_misfit_is_estimated_without_the_points_it_is_compared_on():
     unseen = np.setdiff1d(everywhere, found.simulated_indices)
     force = truth(points.factors.take(unseen).epsilon)
     misses = model(QUADRATIC).evaluate(last.theta, points.factors.take(unseen)) - force
-    assert found.verdict == "targets met"
+    assert found.verdict == "estimates meet targets"
     assert last.global_lower < np.linalg.norm(misses) / np.linalg.norm(force) < last.global_upper
     assert 0.5 < last.worst_error * found.rms_force_n / np.abs(misses).max() < 3
 

@@ -13,6 +13,7 @@ import pytest
 from changed_sections import made_profile
 from scipy.stats import binom
 
+from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.film.measured.placement import check_points
@@ -309,3 +310,23 @@ def test_outliers_do_not_set_the_axes_of_the_profile():
         markers = [line.get_marker() for line in axes.get_lines()]
         assert (markers.count("^"), markers.count("v")) == (1, 1)
     plt.close("all")
+
+
+def test_the_scan_of_a_film_without_a_study_is_smoothed(repository, tmp_path, capsys):
+    film, table = tmp_path / "film.yaml", tmp_path / "profile.csv"
+    scan = repository / "config/vibrometer.csv"
+    film.write_text(
+        f"""
+actuator:
+  {{frequency: 43 kHz, surface_radius: 10 mm, profile: {{kind: measured, file: {scan}}}}}
+pad: {{length_x: 10 mm, length_y: 10 mm}}
+""",
+        encoding="utf-8",
+    )
+    assert main(["profile", f"--config={film}", f"--table={table}"]) == 0
+    printed = capsys.readouterr().out
+    assert "force   `squeezefilm simulate` shows it with each force" in printed
+    assert "points                         532" in printed
+    assert "points" in set(pd.read_csv(table)["layer"])
+    assert main(["profile", f"--config={film}", f"--forces={table}"]) == 2
+    assert "--forces: " in capsys.readouterr().err

@@ -161,6 +161,11 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         f"{x / 1e3:.9e} {y / 1e3:.9e} ({u.real:.9e}{u.imag:+.9e}j)\n".encode()
         for x, y, u in zip(X, Y, TURNED * 1e-6, strict=True)
     ),
+    "savetxt of older NumPy": b"# x_m y_m uz_m\n"
+    + b"".join(
+        f"{x / 1e3:.9e} {y / 1e3:.9e} ({u.real:.9e}+{u.imag:.9e}j)\n".encode()
+        for x, y, u in zip(X, Y, TURNED * 1e-6, strict=True)
+    ),
     "complex cells": (
         "% Length unit,mm\n% x,y,w (µm) @ freq=43270\n"
         + "".join(
@@ -197,6 +202,7 @@ FORMS: dict[str, bytes] = abaqus_prints() | {
         for x, y, u in zip(X, Y, U, strict=True)
     ).encode(),
     "typeset minus signs": text("x_mm,y_mm,amplitude_um", X, Y, U).replace("-", "−").encode(),
+    "dashes for minus signs": text("x_mm,y_mm,amplitude_um", X, Y, U).replace("-", "–").encode(),
     "LabVIEW, units above": (
         "***End_of_Header***\t\t\t\t\t\nChannels\t4\t\t\t\t\nY_Unit_Label\tmm\tmm\tµm\tdeg\t\n"
         "X0\t0,0\t0,0\t0,0\t0,0\t\n***End_of_Header***\t\t\t\t\t\n"
@@ -322,7 +328,19 @@ WRONG = {
     ),
     "words in place of a number": (
         PLAIN.replace(",0\n", ",kaputt\n", 1),
-        "phase is 'kaputt', not a finite number; write nan where nothing was measured",
+        "phase is 'kaputt', not a finite number; write nan as the amplitude of what was not",
+    ),
+    "a place only in the first row of several": (
+        PLAIN.replace(f"\n{X[1]:.9g},", "\n,", 1),
+        "x is '', not a finite number; every row needs its place, also where it is that of the row",
+    ),
+    "an amplitude and its angle in a cell": (
+        text("x_mm,y_mm,amplitude_um", X, Y, U).replace("\n", " @ 30\n").replace(" @ 30", "", 1),
+        "@ 30', not a finite number; a complex amplitude is written as 1.2-0.3i or (1.2,-0.3)",
+    ),
+    "a header of unknown words before separators": (
+        with_header("Quer r 1;Hoch phi 2;Hub amplitude 3;Takt phase 4").replace(",", ";"),
+        "line 1: no header names the columns: 'Quer r 1;Hoch phi 2;",
     ),
     "a phase of the reference that varies": (
         text(
@@ -354,6 +372,13 @@ WRONG = {
         "no unit is known of 'X', 'Y', 'Real', 'Imag'",
     ),
 }
+
+
+@pytest.mark.parametrize(("column", "cell"), [("x", "(1.2"), ("amplitude", "1.2×10^-6")])
+def test_a_cell_is_given_no_remedy_of_another(column, cell, tmp_path):
+    row = {"x": "1.2", "y": "1", "amplitude": "1"} | {column: cell}
+    with pytest.raises(InputError, match=r"not a finite number$"):
+        read(tmp_path / "scan.csv", "x_mm,y_mm,amplitude_um\n1,2,3\n" + ",".join(row.values()))
 
 
 @pytest.mark.parametrize("case", WRONG)
@@ -1195,6 +1220,9 @@ def test_rows_of_arrays_are_counted_without_their_names(tmp_path):
         ("plate.f06", b"1  PLATE\n   R E A L   E I G E N V E C T O R   N O .", "Nastran.*T3"),
         ("disc.lis", b" LIST ALL SELECTED NODES.   DSYS=      0\n", "ANSYS.*Node Location"),
         ("disc.lis", b"\n PRINT U    NODAL SOLUTION PER NODE\n", "ANSYS.*Node Location"),
+        ("plate.dat", b"\n displacements (vx,vy,vz) for set N and time  0.\n", "CalculiX.*uz_mm"),
+        ("scan.txt", b"x_mm y_mm w_um\n\n   1.0e-03 *\n\n", "as MATLAB displays it.*writetable"),
+        ("scan.json", b'[\n {"x_mm": 1.0,', "write the points as CSV"),
         ("scan.dat", b'VARIABLES = "X", "Y"\n1 2\n', "Tecplot.*such as x_mm y_mm amplitude_um"),
         ("scan.itx", b"IGOR\rWAVES/D x_mm\r", "save the waves as delimited text"),
         ("grid.txt", b"% Model: disc.mph\n% Grid\n1 2 3\n", "data format Spreadsheet"),
@@ -1221,6 +1249,9 @@ def test_a_scan_that_misses_its_surface_is_told_where_it_would_fit(tmp_path):
     path.write_text(text("x_mm,y_mm,amplitude_um", X / 1e3, Y / 1e3, U))
     with pytest.raises(InputError, match=r"at the centre.*positions 1000 times larger"):
         smoothed_scan(path, ScanFile("scan.csv", scale="measured"), surface)
+    path.write_text(text("x_mm,y_mm,amplitude_um", X + 10, 2 * Y + 20, U))
+    with pytest.raises(InputError, match=r"off the .*; they fit with x and y exchanged$"):
+        smoothed_scan(path, FREE_SHAPE, Rectangle(0.04, 0.02))
 
 
 def off_centre_grid(step: float, offset: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

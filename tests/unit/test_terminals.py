@@ -18,7 +18,7 @@ PRINTED = {
     " ".join(FORCE): (0, "operating point         h0 = 5 "),
     "config config/quick.yaml": (0, "study: quick"),
     "config config/ñandú-σ.yaml": (2, "there is no such configuration file"),
-    "simulate --h0 5µm --hv 1°": (2, "must be one number with its unit: m, mm, um"),
+    "simulate --h0 5µm --hv 1°": (2, "must be a number with its unit: m, mm, um"),
     **{f"{command} --help": (0, "usage: squeezefilm") for command in modules_by_command()},
 }
 

@@ -192,26 +192,55 @@ def test_the_operating_point_has_the_position_that_is_taken(
         ("four_factor", ["predict", "--hv=6um"], "reaches h0 = 5 µm: surface and pad touch"),
         ("limit_2", ["predict", "--h0=12um", "--hv=1um"], "expansion ends at h0 = 5 and 10 µm"),
         ("limit_2", ["amplitude-for", "--h0=12um", "--force=0.2N"], "expansion ends at h0 = 5 and"),
-        ("limit_2", ["amplitude-for", "--force=15N"], "expansion ends at hv/h0 = 0.707"),
+        ("limit_2", ["amplitude-for", "--force=15N"], "µm, not 15 N; the table of the expansion"),
     ],
 )
 def test_a_point_without_a_result_ends_with_the_reason_and_status_1(
     model, command, reason, write_fit, repository, tmp_path, capsys
 ):
-    """A force was printed with the pad off the surface, and in contact; each ended with 0."""
+    """One point prints the reason alone, once; a table has it in its row."""
     paper = load_config(repository / "config" / "paper.yaml")
     film = film_values(paper, absent_terms=["inertia; thermal effects"])
     name, *options = command
     arguments = [name, str(write_fit(get_model(model), THETA[model], film=film)), "--h0=5um"]
     assert cli.main([*arguments, *options]) == 1
     printed = capsys.readouterr()
-    assert "not available" in printed.out.splitlines()[0]
-    assert reason in printed.err
+    assert not printed.out
+    assert printed.err.count(reason) == 1
     # The other row is there all the same.
     table = table_of([*arguments[:-1], *options, f"--h0={_h0_of(options)},6um"], tmp_path, status=1)
     result = "force_n" if name == "predict" else "hv_m"
     assert np.isnan(table[result][0])
     assert reason in f"{table['validity'][0]} {table['note'][0]}"
+    assert reason not in capsys.readouterr().err
+
+
+def test_without_a_table_of_the_expansion_at_a_gap_no_amplitude_is_tried(write_fit, capsys):
+    path = write_fit(get_model("limit_2"), THETA["limit_2"])
+    assert cli.main(["amplitude-for", str(path), "--h0=12um", "--force=0.2N"]) == 1
+    reason = "no amplitude hv: the table of the expansion ends at h0 = 5 and 10 µm\n"
+    assert capsys.readouterr().err.endswith(reason)
+
+
+def test_notes_on_rows_stand_below_their_table(write_fit, capsys):
+    """Each row had its note in a column of 200 characters."""
+    path = write_fit(get_model("two_factor"), THETA["two_factor"])
+    assert cli.main(["predict", str(path), "--h0=5um,6um", "--hv=1um,2.2um"]) == 0
+    header, *rows, below = capsys.readouterr().out.split("\n", maxsplit=5)
+    assert "note" not in header
+    assert [row.split()[0] for row in rows] == ["1", "2", "3", "4"]
+    assert re.search(r"\n +rows 2, 4: not validated: hv = 2\.2 µm outside", below)
+
+
+def test_a_table_of_points_is_read_as_a_table_of_scenes(write_fit, refused, tmp_path):
+    """A position under a misspelt name was ignored: the force was that at the centre."""
+    fit, path = write_fit(get_model("four_factor"), THETA["four_factor"]), tmp_path / "points.csv"
+    for table, message in {
+        "h0_um,hv_um,xx_mm\n5,1,2\n": "unknown column 'xx_mm'; did you mean 'x_m'?",
+        "h0_um,hv_um\n5,abc\n": f"{path}: line 2: hv_um is 'abc', not a finite number",
+    }.items():
+        path.write_text(table, encoding="utf-8")
+        assert message in refused("predict", fit, "--points", path)
 
 
 def test_a_fit_without_a_sample_states_why_it_has_no_force_too(write_fit, capsys):
@@ -610,7 +639,7 @@ def test_errors_of_95_and_99_percent_are_rounded_alike(write_fit, capsys):
     assert cli.main(["predict", str(path), "--h0=5um,6um", "--hv=1um"]) == 0
     header, *rows = capsys.readouterr().out.splitlines()[:3]
     for row in rows:
-        shown = dict(zip(header.split(), row.split(), strict=False))
+        shown = dict(zip(header.split(), row.split()[1:], strict=False))
         force_n = float(shown["force_n"])
         errors_n = {"error_95_n": 2e-3 + 0.01 * force_n, "error_99_n": 4e-3 + 0.02 * force_n}
         for name, error_n in errors_n.items():

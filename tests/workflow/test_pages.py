@@ -165,7 +165,7 @@ def test_the_summary_says_what_how_accurate_and_where_it_differs(study):
     summary = render_template("summary.md", **values, pictures=defaultdict(str))
     assert "43.27 kHz" in summary
     assert "The study has 48 simulations" in summary
-    assert "| screen | 12 | 5 – 10 | 0.2 – 2 | 0 | 0 | 0.00183 – 0.784 |" in summary
+    assert "| screen | 12 | 5 … 10 | 0.2 … 2 | 0 | 0 | 0.00183 … 0.784 |" in summary
     assert "| gas: viscosity_pa_s | 1.81e-05 |" in summary
     assert "| two_factor_design (5 points) | screen (12 points) | " in summary
     assert re.search(r"\| inertia \| \+2(\.\d)? \| \+8(\.\d)? \|", summary)

@@ -241,7 +241,7 @@ def test_a_fit_to_a_table_of_ones_own_is_not_validated(study, tmp_path):
 def test_a_refined_model_is_as_good_as_was_wanted_at_points_it_never_saw(study, space, model):
     folder = study.root / "refine" / space
     verdict = json.loads((folder / model / "verdict.json").read_text())
-    assert verdict["verdict"] == "targets met"
+    assert verdict["verdict"] == "estimates meet targets"
     forces = read_forces(folder / model / "forces.csv")
     assert len(forces) == verdict["simulations"] <= 20
     assert forces["point_id"].str.startswith("verification").sum() == 8

@@ -231,17 +231,15 @@ def _take_result_lines(row: Row) -> LabelledLines:
     errors = {each: row.pop(each) for each in error_columns(name, row)}
     column, why = next(iter(errors), ""), f": {status}" * (status != "ok")
     error = errors.get(column, nan)
+    reason, note = NOT_AVAILABLE_TEXT, str(row.get("note", ""))
+    if "95" in column and (note.startswith(NOT_VALIDATED_TEXT) or not isfinite(value)):
+        # What the model's errors are elsewhere is not of this point.
+        reason = note
+        for other in ("note", "validation", *ERROR_PERCENT_COLUMNS):
+            row.pop(other, None)
     if not isfinite(value):
         row.pop("tolerance" if name else "", None)
         return [(column_label(stem or "force"), NOT_AVAILABLE_TEXT + why)] if name or why else []
-
-    reason = str(row.get("note", "")) if "95" in column else ""
-    if reason.startswith(NOT_VALIDATED_TEXT):
-        # What the model's errors are elsewhere is not of this point.
-        for other in ("note", "validation", *ERROR_PERCENT_COLUMNS):
-            row.pop(other, None)
-    else:
-        reason = NOT_AVAILABLE_TEXT
 
     base = " of the amplitude" if name == "hv_m" else ""
 

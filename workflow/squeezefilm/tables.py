@@ -14,6 +14,7 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import zip_longest
 from math import nan
 from pathlib import Path
 from typing import Any, Literal
@@ -36,7 +37,7 @@ from squeezefilm.film.positions import (
     columns_in_table_form,
     fill_missing_coordinate,
 )
-from squeezefilm.headers import fold_accents, possible_words_and_units
+from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
 from squeezefilm.units import unit_sizes
@@ -71,7 +72,8 @@ MEASURED_COLUMNS_TEXT = (
 )
 POSITION_FORMS = f"{' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
 POSITION_FORMS_TEXT = f"a position is {POSITION_FORMS}"
-PARQUET_SUFFIX, CSV_SEPARATORS = ".parquet", ",;\t"
+PARQUET_SUFFIX, COMMENT_SIGN, MAX_LINES_ABOVE_HEADER = ".parquet", "#", 20
+CSV_SEPARATORS, BLANK_SEPARATOR = ",;\t", " "
 UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
@@ -84,8 +86,8 @@ OPTIONAL_FORCE_COLUMNS = {*SOLUTION_COLUMNS} - {
 }
 """Columns of forces that a table may lack."""
 _WORDS_OF_COLUMN = {
-    "h0_m": ("h0", "gap"),
-    "hv_m": ("hv", "amplitude", "disp ampl"),
+    "h0_m": ("h0", "h 0", "gap", "mean gap"),
+    "hv_m": ("hv", "h v", "amplitude", "vibration amplitude", "disp ampl"),
     "x_m": ("x", "x position"),
     "y_m": ("y", "y position"),
     "phi_r_m": ("phi r",),
@@ -102,7 +104,7 @@ KNOWN_UNIT_NAMES = {name for units in UNIT_SIZES_OF_BASE_UNIT.values() for name 
 
 OtherColumnsPolicy = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
-columns.csv does not have."""
+columns.csv does not have, and invalid where others are kept too."""
 
 
 def chunk_row_slice(chunk: int, chunks: int, count: int) -> slice:
@@ -169,7 +171,7 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
     """
     how: dict[str, Any] = {
         "optional": OPTIONAL_FORCE_COLUMNS,
-        "others": "kept" if whole else "ignored",
+        "others": "kept" if whole else "unknown are invalid",
     }
     table = _read_table(path, columns=FORCE_COLUMNS, numbers=FACTOR_COLUMNS, **how)
     for name in map(str, table):
@@ -300,18 +302,31 @@ def _read_rows(
 def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
 ) -> tuple[pd.DataFrame, list[int]]:
-    text = read_text(path, what="table")
-    first = next(filter(str.strip, text.splitlines()), "")
-    separator = max(CSV_SEPARATORS, key=first.count)
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
+    lines = read_text(path, what="table").splitlines(keepends=True)
+    start, separator = _find_header(lines, columns)
+    text = io.StringIO("".join(lines[start:]).lstrip(f"{COMMENT_SIGN} "), newline="")
+    reader = csv.reader(text, delimiter=separator, skipinitialspace=True, strict=True)
     try:
         cells_of = ([cell.strip() for cell in cells] for cells in reader)
-        rows = [(reader.line_num, cells) for cells in cells_of if any(cells)]
+        rows = [(start + reader.line_num, cells) for cells in cells_of if any(cells)]
     except csv.Error as error:
         raise InputError(f"{path}: the table cannot be read: {error}") from None
     if not rows:
         raise InputError(f"{path}: the table is empty; it needs {required}")
+    width = max(at for at, name in enumerate(rows[0][1], start=1) if name)
+    for _, cells in rows:
+        if not any(cells[width:]):
+            del cells[width:]
+    # A row's name may begin with the sign.
+    rows = [row for row in rows if len(row[1]) == width or row[1][0][:1] != COMMENT_SIGN]
     (_, header), *rows = rows
+    units = [normalised_unit(cell) for _, cells in rows[:1] for cell in cells]
+    if {*units} & KNOWN_UNIT_NAMES and {*units} <= {*KNOWN_UNIT_NAMES, ""}:
+        header = [
+            name + f" [{unit}]" * bool(unit)
+            for name, unit in zip_longest(header, units, fillvalue="")
+        ]
+        del rows[0]
     raise_row_problems(
         [
             f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
@@ -319,8 +334,8 @@ def _read_csv_rows(
             if len(cells) != len(header)
         ]
     )
-    lines = [line for line, _ in rows]
-    table = pd.DataFrame([cells for _, cells in rows], lines, range(len(header)), dtype="str")
+    numbers = [line for line, _ in rows]
+    table = pd.DataFrame([cells for _, cells in rows], numbers, range(len(header)), dtype="str")
     if separator != ",":
         for column_index, name in enumerate(header):
             table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
@@ -330,7 +345,35 @@ def _read_csv_rows(
         table[column_index] = [_cell_in_si(cell, size) for cell in table[column_index]]
     table = table.set_axis(names, axis=1).reset_index(drop=True)
     table.attrs = dict(zip(names, header, strict=True))  # for messages
-    return table, lines
+    return table, numbers
+
+
+def _find_header(lines: Sequence[str], columns: Iterable[str]) -> tuple[int, str]:
+    """The place of the line that names columns, which may be a comment, and the separator of cells.
+
+    It is the first one that names two, or one; where none does, the first that is no comment.
+    """
+    asked = _asked_columns(columns)
+    filled = [index for index, line in enumerate(lines) if line.strip()]
+    for least in (2, 1):
+        for index in filled[:MAX_LINES_ABOVE_HEADER]:
+            separators = [each for each in CSV_SEPARATORS if each in lines[index]]
+            for separator in separators or BLANK_SEPARATOR:
+                cells = [cell.strip('" ') for cell in lines[index].strip("\r\n# ").split(separator)]
+                named = sum(bool({cell, _column_and_unit_size(cell)[0]} & asked) for cell in cells)
+                if named >= least:
+                    return index, separator
+    plain = next((index for index in filled if lines[index][0] != COMMENT_SIGN), 0)
+    return plain, max(CSV_SEPARATORS, key="".join(lines[plain : plain + 1]).count)
+
+
+def _asked_columns(columns: Iterable[str]) -> set[str]:
+    """Columns in either form of a position."""
+    columns = list(columns)
+    return {
+        *columns_in_table_form(columns, ()),
+        *columns_in_table_form(columns, CARTESIAN_COLUMNS),
+    }
 
 
 def _renamed_columns_of_header(
@@ -340,11 +383,7 @@ def _renamed_columns_of_header(
 
     Yields their numbers in the header, their own names, and the size of the unit.
     """
-    columns = list(columns)
-    asked = {
-        *columns_in_table_form(columns, ()),
-        *columns_in_table_form(columns, CARTESIAN_COLUMNS),
-    }
+    asked = _asked_columns(columns)
     for column_index, name in enumerate(header):
         own, size = _column_and_unit_size(name)
         if name not in asked and own in asked - {*header} and size:
@@ -352,7 +391,7 @@ def _renamed_columns_of_header(
 
 
 def normalise_points(
-    points: pd.DataFrame | Mapping[str, Any], *, needed: Sequence[str], others: OtherColumnsPolicy
+    points: pd.DataFrame | Mapping[str, Any], *, needed: Sequence[str]
 ) -> pd.DataFrame | Mapping[str, Any]:
     """Points that no file holds, their factors under their own names and in SI units.
 
@@ -379,9 +418,8 @@ def normalise_points(
     header = list(map(str, points))
     columns = columns_in_table_form(SCENE_COLUMNS, header)
     optional = [name for name in columns if name not in needed]
-    _check_header(
-        header, columns, optional, others=others, required=_columns_text(columns, optional)
-    )
+    required = _columns_text(columns, optional)
+    _check_header(header, columns, optional, others="unknown are invalid", required=required)
     return points
 
 
@@ -487,22 +525,24 @@ def _check_header(
     if "phi_r_m" in columns and "phi_deg" in header and "phi_r_m" not in header:
         missing.append("phi_r_m")
     halved = len(position & {*header}) == 1
-    if others == "unknown are invalid" or (others != "invalid" and (missing or halved)):
+    if others in ("unknown are invalid", "kept") or (others == "ignored" and (missing or halved)):
         beside = unregistered_columns(beside)
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
         beside = [name for name in beside if _column_and_unit_size(name)[0] in factors]
+    problems = []
     for name in beside:
         own, _ = _column_and_unit_size(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
             units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES_OF_BASE_UNIT[base])
-            raise InputError(
-                f"column {name!r} needs a unit, one of {units}; the table needs {required}"
-            )
-        near = _nearest_column(name, factors)
-        hint = f"did you mean {near!r}? " if near else ""
-        raise InputError(f"unknown column {name!r}; {hint}the table needs {required}")
+            problems.append(f"column {name!r} needs a unit, one of {units}")
+        else:
+            near = _nearest_column(name, factors)
+            problems.append(f"unknown column {name!r}" + f": did you mean {near}?" * bool(near))
+    if problems:
+        named = "; ".join(problems[:MAX_ROWS_IN_MESSAGE])
+        raise InputError(f"{named}; the table needs {required}")
     for name in missing:
         form = f" ({POSITION_FORMS_TEXT})" if name in position else ""
         missed = f"column {name!r} is missing; it has {', '.join(header)}{form}"
@@ -510,12 +550,16 @@ def _check_header(
 
 
 def _nearest_column(name: str, columns: Collection[str]) -> str:
-    """The column whose words begin as a header's cell does, or are close to it; empty if none."""
-    first = re.split(r"[^a-z]", name.lower())[0]
+    """The column that a word of a header's cell names, begins or is close to; "" if none."""
+    first, *others = re.split(r"[^a-z0-9]+", name.lower())
     words = [each for each, own in COLUMN_OF_WORDS.items() if own in columns]
+    named = [each for each in words if each in (first, *others)]
     begun = [each for each in words if len(first) > 2 and each.startswith(first)]
-    close = begun or difflib.get_close_matches(first, words, n=1)
-    return COLUMN_OF_WORDS[close[0]] if close else ""
+    close = named or begun or difflib.get_close_matches(first, words, n=1)
+    if not close:
+        return ""
+    own = COLUMN_OF_WORDS[close[0]]
+    return repr(own) + ", zero to peak" * (own == "hv_m")
 
 
 def read_columns(
@@ -539,9 +583,9 @@ def read_columns(
     return table
 
 
-def write_table(table: pd.DataFrame, path: Path | str, *, given: Collection[str] = ()) -> None:
+def write_table(table: pd.DataFrame, path: Path | str) -> None:
     """Write a table as ``table_writer`` does."""
-    with table_writer(path, given=given) as write:
+    with table_writer(path) as write:
         write(table)
 
 
@@ -572,15 +616,10 @@ def checked_table_path(path: Path | str) -> str:
 
 
 @contextmanager
-def table_writer(
-    path: Path | str, *, given: Collection[str] = ()
-) -> Iterator[Callable[[pd.DataFrame], None]]:
+def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
     """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
 
     All pieces have the columns of the first one. CSV comes with full double precision.
-
-    Args:
-        given: columns of the user's own.
 
     Raises InputError for a name that says that something else is in the file, ValueError for a
     column without a meaning in columns.csv.
@@ -589,7 +628,7 @@ def table_writer(
     pieces = _parquet_writer if path.suffix == PARQUET_SUFFIX else _csv_writer
 
     def write(piece: pd.DataFrame) -> None:
-        if unknown := unregistered_columns({*piece} - {*given}):
+        if unknown := unregistered_columns(map(str, piece)):
             raise ValueError(f"{path}: columns.csv has no {', '.join(unknown)}")
         write_piece(piece)
 

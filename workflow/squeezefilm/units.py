@@ -171,7 +171,7 @@ def parse_quantity(text: str, *, option: str, unit: str) -> float:
         names = ", ".join(name for name in unit_sizes(unit) if "μ" not in name)  # µ is there too
         corrected = corrected_quantity_text(text, unit)
         hint = f"; did you mean {corrected!r}?" if corrected else ""
-        raise InputError(f"{option} {text!r} must be one number with its unit: {names}{hint}")
+        raise InputError(f"{option} {text!r} must be a number with its unit: {names}{hint}")
     return value
 
 

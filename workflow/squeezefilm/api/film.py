@@ -248,7 +248,7 @@ class Film:
     @staticmethod
     def _with_factor_columns(points: Any) -> Any:
         """Points with the factors under their own names."""
-        return normalise_points(points, needed=FACTOR_COLUMNS[:2], others="unknown are invalid")
+        return normalise_points(points, needed=FACTOR_COLUMNS[:2])
 
     def force(
         self,

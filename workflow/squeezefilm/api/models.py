@@ -224,10 +224,10 @@ class Fit:
 
 
 def _points_with_factor_columns(points: pd.DataFrame, *, needed: Sequence[str]) -> pd.DataFrame:
-    """Points with the factors under their own names, and the user's own columns beside them."""
+    """Points with the factors under their own names."""
     from squeezefilm.api.points import Points
 
-    return Points(normalise_points(points, needed=needed, others="ignored"))
+    return Points(normalise_points(points, needed=needed))
 
 
 @dataclass(frozen=True, repr=False)

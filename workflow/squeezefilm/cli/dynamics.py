@@ -101,11 +101,7 @@ def levitate(options: argparse.Namespace) -> None:
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     if not alone:
         table = levitation_table(rows)
-        reasons: list[str] = []
-        if options.output is None:
-            table["status"], reasons = _numbered_reasons(table["status"])
         write_or_print_rows(table.assign(**study_name_column(options)), options)
-        print(*reasons, sep="\n", end="\n" if reasons else "")
         if missing := sum(row["status"] != OK for row in rows):
             raise RunError(f"{missing} of {len(rows)} rows have no gap: `status` has the reason")
         return
@@ -116,14 +112,6 @@ def levitate(options: argparse.Namespace) -> None:
         raise RunError(
             f"{status}; {valid_range_text(scenes[0], **film.solver().levitation_arguments)}"
         )
-
-
-def _numbered_reasons(statuses: pd.Series) -> tuple[pd.Series, list[str]]:
-    """Return short statuses for the screen, and the reasons that they refer to by a number."""
-    reasons = [status for status in statuses.unique() if status != OK]
-    numbers = {reason: f"({number})" for number, reason in enumerate(reasons, start=1)}
-    short = {reason: f"no gap {number}" for reason, number in numbers.items()}
-    return statuses.replace(short), [f"{number} {reason}" for reason, number in numbers.items()]
 
 
 def _levitation_text(row: dict[str, Any]) -> str:

@@ -45,7 +45,7 @@ from squeezefilm.tables import read_scenes, write_table
     SCENES_ARGUMENT,
     table_output_option("--output", "FORCES.csv", "table of forces to write"),
     *SOLVER_OPTIONS,
-    flag_option("--dry-run", "show how scenes would be solved, and solve nothing"),
+    flag_option("--dry-run", "show how scenes would be solved"),
     flag_option("--derivatives", "derivatives of the force too, by each quantity of a scene"),
     flag_option(
         "--budget",
@@ -97,8 +97,9 @@ def simulate(options: argparse.Namespace) -> None:
     each with its error, from the periodic state; `outputs_status` states which are missing and
     why. `harmonics` has film stiffness and damping, `static_stiffness` is −dF/dh0.
 
-    `--dry-run` solves nothing: it shows each scene's numbers, method, domain, terms, absent terms
-    and why, first grid and expected cost, or with --output writes them, a row for each scene.
+    `--dry-run` computes no force, but decides terms that are `auto`: it shows each scene's numbers,
+    method, domain, terms, absent terms and why, first grid and expected cost, or with --output
+    writes them, a row for each scene.
     """
     outputs = None if options.outputs is None else [*filter(None, options.outputs.split(","))]
     film = film_of_options(options, outputs)
@@ -152,8 +153,9 @@ def _simulate_given_points(
 
 
 def _simulate_scenes_table(options: argparse.Namespace, film: Film) -> None:
-    if options.output is None or options.json:
-        raise InputError("a table of scenes needs --output, and has no --json")
+    if options.output is None:
+        raise InputError("a table of scenes needs --output FORCES.csv")
+    check_json_option(options, count=1)
     if options.budget:
         raise InputError(
             "--budget is of points; `squeezefilm error-budget` is of a table of scenes"

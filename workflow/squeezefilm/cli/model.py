@@ -13,16 +13,15 @@ from squeezefilm.cli.options import (
     points_of_options,
     write_or_print_rows,
 )
-from squeezefilm.columns import unregistered_columns
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.files import write_text
-from squeezefilm.film.positions import CARTESIAN_COLUMNS, fill_missing_coordinate
+from squeezefilm.film.positions import fill_missing_coordinate
 from squeezefilm.film.validity import OK
 from squeezefilm.formatting import column_label
 from squeezefilm.lazy import pd
 from squeezefilm.models.export import NAN_OF_LANGUAGE
 from squeezefilm.models.fit_file import UNKNOWN_PREFIX
-from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, no_force_message, read_columns
+from squeezefilm.tables import read_scenes
 from squeezefilm.units import split_unit
 
 
@@ -39,9 +38,9 @@ def predict(options: argparse.Namespace) -> None:
       squeezefilm predict FIT.json --points POINTS.csv --output FORCES.csv
 
     A quantity is a number with its unit, several with commas, or evenly spaced ones as
-    first:last:count; every combination is a point. POINTS.csv has the columns h0_m, hv_m and, for a
-    pad off the centre, x_m, y_m or phi_r_m, phi_deg; by the symmetry of the study that the model
-    was fitted in, any direction may be asked. `error_95_n` is the error that 95 % of new points
+    first:last:count; every combination is a point. POINTS.csv is a table of scenes (see
+    `squeezefilm simulate --help`); by the symmetry of the study that the model was fitted in, any
+    direction may be asked. `error_95_n` is the error that 95 % of new points
     drawn uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %,
     measured on a validation sample of simulations that no fit used.
 
@@ -55,19 +54,13 @@ def predict(options: argparse.Namespace) -> None:
     """
     fit = Fit.read(options.fit)
     if options.points:
-        needed, source = ("h0_m", "hv_m"), options.points
-        table = read_columns(source, columns=needed, optional=FACTOR_COLUMNS)
-        # Results of the points, which the table may have, are not the model's.
-        kept = {*SCENE_COLUMNS, *CARTESIAN_COLUMNS, *unregistered_columns(map(str, table))}
-        table = table[[name for name in table if name in kept]]
+        table, source = read_scenes(options.points), options.points
     else:
         table, source = _points_of_options(options), "predict"
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
     predicted = fit.predict_at(table, place=source)
-    write_or_print_rows(predicted, options, given=table.columns, **fit.about)
-    alone = len(predicted) == 1 and not (options.points or options.output)
-    _check_values_known(predicted, "force_n", source=source, alone=alone)
+    _show_results(predicted, "force_n", options, source=source, **fit.about)
 
 
 @command(
@@ -79,45 +72,50 @@ def predict(options: argparse.Namespace) -> None:
 def amplitude_for(options: argparse.Namespace) -> None:
     """The amplitude for a target force, by a fitted model, from its file alone.
 
-      squeezefilm amplitude-for FIT.json --force 1.0N --h0 5um:10um:6 --x 0mm,1mm
+      squeezefilm amplitude-for FIT.json --force 1.0N --h0 5:10:6um --x 0mm,1mm
 
     One row for each gap and position; without --h0, six gaps over the range that the model was
     fitted on. `hv_error_95_m` is the 95 % error of the force (see `squeezefilm predict --help`)
     over the slope of force against amplitude, and `error_95_percent` that of the force; both
     contain the uncertainty of a measured profile, `profile_uncertainty_percent`. Where the point is
-    not validated both are empty and `note` says why, or that no amplitude below contact gives the
-    force. The exit status is 1 when a point has no amplitude, and where one point by options is
-    outside the limits of validity.
+    not validated both are empty and `note` says why, or which forces the model gives. The exit
+    status is 1 when a point has no amplitude, and where one point by options is outside the limits
+    of validity.
     """
     fit = Fit.read(options.fit)
     options.h0 = options.h0 or fit.gaps()
     points = _points_of_options(options)
-    found = fit.amplitudes_for(points, options.force)
-    write_or_print_rows(found, options, **fit.about)
-    alone = len(found) == 1 and not options.output
-    _check_values_known(found, "hv_m", source="amplitude-for", alone=alone)
+    amplitudes = fit.amplitudes_for(points, options.force)
+    _show_results(amplitudes, "hv_m", options, source="amplitude-for", **fit.about)
 
 
-def _check_values_known(table: pd.DataFrame, name: str, *, source: Path | str, alone: bool) -> None:
-    """Raise RunError for rows without a result, and for one alone outside limits of validity.
+def _show_results(
+    table: pd.DataFrame,
+    name: str,
+    options: argparse.Namespace,
+    *,
+    source: Path | str,
+    **about: str,
+) -> None:
+    """Write or print results of a fit; of one point without a result, the reason alone.
 
     Args:
         name: the result's column.
-        alone: the single row is one point by options.
+        about: as ``write_or_print_rows`` takes them.
+
+    Raises RunError for rows without a result, and for one point by options that is outside the
+    limits of validity.
     """
-    result = column_label(split_unit(name)[0])
-    reasons = {
-        row: note.removeprefix("not validated: ") or validity
-        for row, (value, validity, note) in enumerate(
-            zip(table[name], table["validity"], table["note"], strict=True), start=1
-        )
-        if value != value
-    }
-    if reasons and alone:
-        raise RunError(f"no {result}: {reasons[1]}")
-    if reasons:
-        failures = [f"row {row}: {reason}" for row, reason in reasons.items()]
-        raise RunError(no_force_message(failures, source, missing=result))
+    result, missing = column_label(split_unit(name)[0]), int(table[name].isna().sum())
+    by_options = not getattr(options, "points", None)
+    alone = len(table) == 1 and by_options and not options.output
+    if alone and missing and not options.json:
+        note = str(table["note"].iloc[0]).removeprefix("not validated: ")
+        raise RunError(f"no {result}: {note or table['validity'].iloc[0]}")
+    write_or_print_rows(table, options, **about)
+    if missing:
+        rows = f"{missing} of {len(table)} rows"
+        raise RunError(f"{source}: no {result} for {rows}; `validity` or `note` states the reason")
     valid = table["validity"].iloc[0]
     if alone and valid != OK and not valid.startswith(UNKNOWN_PREFIX):
         raise RunError(f"outside the limits of validity: {valid}")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,6 +17,7 @@ from squeezefilm.columns import error_columns
 from squeezefilm.config.loading import load_film
 from squeezefilm.config.notes import unit_notes
 from squeezefilm.errors import InputError
+from squeezefilm.film.validity import OK
 from squeezefilm.formatting import ERROR_PERCENT_COLUMNS, json_text, result_lines_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
@@ -160,33 +161,35 @@ def result_text(row: Mapping[Any, Any], options: argparse.Namespace) -> str:
     return json_text(row) if getattr(options, "json", False) else result_lines_text(row)
 
 
-def write_or_print_rows(
-    table: pd.DataFrame, options: argparse.Namespace, *, given: Collection[str] = (), **about: str
-) -> None:
+def write_or_print_rows(table: pd.DataFrame, options: argparse.Namespace, **about: str) -> None:
     """Write a table to ``--output``, or print it: one row in lines, or as a JSON object.
 
     What is printed has no more digits than its error leaves.
 
     Args:
-        given: names of the user's own columns.
         about: what is known of all rows.
     """
     check_json_option(options, len(table))
     if options.output:
-        write_table(table, options.output, given=given)
+        write_table(table, options.output)
     elif len(table) == 1:
         print(result_text(table.to_dict("records")[0] | about, options))
         return
     else:
-        print_table(table)
+        print_table(table, **about)
+        return
     if about:
         print(result_lines_text(about))
 
 
-def print_table(table: pd.DataFrame) -> None:
-    """Print a table for people."""
-    texts = table.copy()
-    for name in map(str, table):
+def print_table(table: pd.DataFrame, **about: str) -> None:
+    """Print a table for people, and below it what is known of all rows and notes on some.
+
+    Columns without content are not shown; rows have numbers where a note needs them.
+    """
+    table = table.set_index(pd.RangeIndex(1, len(table) + 1))
+    texts, notes = _without_notes(table)
+    for name in map(str, texts):
         errors = error_columns(name, table)
         for error in errors:
             pairs = [
@@ -202,4 +205,22 @@ def print_table(table: pd.DataFrame) -> None:
             ]
         if name in ERROR_PERCENT_COLUMNS:
             texts[name] = table[name].map(error_text, na_action="ignore")
-    print(texts.to_string(index=False, na_rep="", float_format=lambda value: f"{value:.4g}"))
+    how: dict[str, Any] = {"na_rep": "", "float_format": lambda value: f"{value:.4g}"}
+    print(texts.to_string(index=bool(notes), **how))
+    if about or notes:
+        print(result_lines_text({**about, "note": notes}))
+
+
+def _without_notes(table: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
+    """Return the columns with content, their reasons as references, and a note for each reason."""
+    texts = table.drop(columns=[name for name in table if table[name].eq("").all()])
+    rows_of_reason: dict[str, list[str]] = {}
+    for name in (each for each in ("status", "validity", "note") if each in texts):
+        for row, reason in table[name].dropna().items():
+            if reason not in ("", OK):
+                rows_of_reason.setdefault(reason, []).append(f"{row}")
+                texts.loc[row, name] = "see note"
+    return texts.drop(columns="note", errors="ignore"), [
+        f"row{'s' * (len(rows) > 1)} {', '.join(rows)}: {reason}"
+        for reason, rows in rows_of_reason.items()
+    ]

@@ -140,6 +140,7 @@ def config(options: argparse.Namespace) -> None:
 def doctor(options: argparse.Namespace) -> None:
     """Check this installation: OpenCL device, caches, versions.
 
+    A self-test solves stored films with every kernel; compiling these takes minutes the first time.
     Ends with status 1 when there is no OpenCL device that computes in double precision.
     """
     from squeezefilm.reynolds.self_test import check_device, check_force_in_new_process

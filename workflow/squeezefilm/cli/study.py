@@ -15,9 +15,10 @@ from squeezefilm.cli.options import (
     result_text,
     table_output_option,
 )
-from squeezefilm.config.loading import load_config
+from squeezefilm.config.film import FilmSections
+from squeezefilm.config.loading import FilmWithoutStudyError, load_config, load_film
 from squeezefilm.config.notes import unit_notes
-from squeezefilm.errors import prefix_errors
+from squeezefilm.errors import InputError, prefix_errors
 from squeezefilm.files import file_digest
 from squeezefilm.studies.tasks.scan_errors import scan_report
 from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_json, write_table
@@ -38,12 +39,19 @@ def profile(options: argparse.Namespace) -> None:
     FORCES.csv has their forces with the half of the interval that holds the noise's part in 95 % of
     all scans (`measurement_noise_n`), its change by modes that the points do not determine
     (`misfit_n`), the force missing for a neglected quadrature component (`quadrature_n`), and the
-    sum of all (`scan_error_n`), without the solver's error.
+    sum of all (`scan_error_n`), without the solver's error. A film without a study has no such
+    forces.
 
     PROFILE.csv has the scan's points with their residuals;
     `squeezefilm plot profile PROFILE.csv --output profile.png` draws them.
     """
-    config = load_config(options.config)
+    config: FilmSections
+    try:
+        config = load_config(options.config)
+    except FilmWithoutStudyError as film_alone:
+        if options.forces:
+            raise InputError(f"--forces: {film_alone}") from None
+        config = load_film(options.config)
     print_notes(unit_notes(config))
     forces, table, _, text = scan_report(config)
     if options.forces:

@@ -32,6 +32,8 @@ def study_schema() -> Schema:
         if "$ref" in part:
             there = raw["$defs"][part["$ref"].rpartition("/")[2]]
             return inline_references(there) | {name: part[name] for name in part if name != "$ref"}
+        if "prefixItems" in part:  # all of one kind
+            return {**part, "items": inline_references(part["prefixItems"][0])}
         if "discriminator" in part:
             kinds = {
                 choice["properties"]["kind"]["const"]: choice
@@ -105,7 +107,8 @@ def _schema_of_kind(part: Schema, values: Any) -> Schema:
 def allowed_values_text(part: Schema) -> str:
     """Values that the schema allows, as a text; empty for a section."""
     if "enum" in part or "const" in part:
-        return ", ".join(f"`{value}`" for value in part.get("enum", [part.get("const")]))
+        values = part.get("enum", [part.get("const")])
+        return ", ".join(f"`{value or repr(value)}`" for value in values)
     if "items" in part:
         return f"a list: {allowed_values_text(part['items'])}"
     if "anyOf" in part:
@@ -158,7 +161,8 @@ def _iter_key_schemas(part: Schema, path: KeyNames = ()) -> Iterator[tuple[KeyNa
 
 def unit_of_schema(part: Schema) -> str:
     """The unit of a key's number, or of each in its list."""
-    return str(part.get("unit", part.get("items", {}).get("unit", "")))
+    items = [part.get("items", {}), *part.get("prefixItems", ())]
+    return str(next((each["unit"] for each in (part, *items) if "unit" in each), ""))
 
 
 def _default_text(part: Schema, needed: bool) -> str:
@@ -166,6 +170,8 @@ def _default_text(part: Schema, needed: bool) -> str:
     if "derived" in part or needed:
         return str(part.get("derived", "to be written"))
     value = part.get("default")
+    if part.get("type") == "object":
+        value = value or {}
     if "properties" in part or value is None:
         return ""
     number = isinstance(value, (int, float)) and not isinstance(value, bool)

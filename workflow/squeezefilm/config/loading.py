@@ -64,9 +64,9 @@ def parse_config(text: str, *, path: Path) -> Study:
     values, lines = _read_yaml(text, path=path)
     if {"actuator", "pad"} <= {*values} and not {*PLAN_SECTION_NAMES} & {*values}:
         raise FilmWithoutStudyError(
-            f"{path}: a film without a study: `squeezefilm simulate`, `levitate` and, in Python, "
-            f"`sf.Film.read` take it; a study also has a name, study, and the sections "
-            f"{' and '.join(PLAN_SECTION_NAMES)}"
+            f"{path}: a film without a study: `squeezefilm simulate`, `levitate`, `profile` "
+            "and, in Python, `sf.Film.read` take it; a study also has a name, study, and the "
+            f"sections {' and '.join(PLAN_SECTION_NAMES)}"
         )
     return validated_sections(values, path=path, lines=lines, model=Study)
 

@@ -75,6 +75,8 @@ def _key_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     if error["type"] != "missing":
         close = _close_match(key, known) or _close_match(key_of_name(key), known)
         hint = f"did you mean {close!r}?" if close else f"allowed are {', '.join(sorted(known))}"
+        if key[:1].isdigit():
+            hint = "write a decimal point: a comma begins another key"
         return f"{where}: unknown key {key!r}; {hint}"
     if key not in known:  # below a key that is not text
         return ""
@@ -100,7 +102,7 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
             return f"{where}: missing 'kind' ({allowed_values_text(kinds)})"
         wrong, where, part = error["ctx"]["tag"], f"{where}.kind", kinds
     if "enum" in part:
-        close = _close_match(str(wrong), part["enum"])
+        close = _close_match(str(wrong), part["enum"], cutoff=0.7)  # "on" is not "none"
         hint = f"; did you mean {close!r}?" if close else ""
         return f"{where}: {wrong!r} is none of {allowed_values_text(part)}{hint}"
     value = reprlib.repr(wrong)
@@ -132,5 +134,5 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
     return f"{text}; allowed: {words}{like}" if words else text
 
 
-def _close_match(key: str, known: Iterable[str]) -> str:
-    return next(iter(difflib.get_close_matches(key, known, n=1)), "")
+def _close_match(key: str, known: Iterable[str], *, cutoff: float = 0.6) -> str:
+    return next(iter(difflib.get_close_matches(key, known, n=1, cutoff=cutoff)), "")

@@ -391,7 +391,7 @@ class Study(FilmSections, StudyHeader):
             `results/STUDY`
         paper: `true` for studies of the paper's actuator: its claims, tables and figures are made
             beside the study's own
-        models: formulas of your own for the force, each under a name (see below)
+        models: formulas of your own for the force, each under a name (docs/reference/formulas.md)
     """
 
     simulation: Simulation = Field(default_factory=Simulation)

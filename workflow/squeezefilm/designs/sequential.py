@@ -20,7 +20,7 @@ Simulations are deterministic, so s is no noise, and "95 %" is about where in th
 
 The loop ends in one of these ways:
 
-- *targets met*: the upper limit of the global error and the worst error meet their targets;
+- *estimates meet targets*: the upper limit of the global error and the estimated worst error do;
 - *limited by the model*: no parameters are good enough. Of all parameters the least-squares ones
   leave the least root mean square residual on the points simulated so far, and the largest of any
   residuals is no less than their root mean square: if that exceeds the target worst error, this is
@@ -43,6 +43,7 @@ from scipy.spatial.distance import cdist
 from squeezefilm.config.study import Refine
 from squeezefilm.designs.optimal import Array, Indices, exact_design_by_exchange, sensitivity
 from squeezefilm.errors import InputError, prefix_errors
+from squeezefilm.formatting import percent_text
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fitting import (
     CONFIDENCE_LEVEL,
@@ -285,35 +286,37 @@ class SequentialDesign:
     def verdict(self, last: RefinementRound, hindsight: Array) -> tuple[str, str]:
         """The loop's end and the reason for it; nothing while it should go on."""
         settings, parameters = self.settings, self.parameters
+        errors = (
+            f"global error {_percent_text(last.global_error)}, at most "
+            f"{error_text(100 * last.global_upper)} % (95 % limit); estimated worst error "
+            f"{_percent_text(last.worst_error)}"
+        )
         below = (
             last.global_upper <= settings.global_error and last.worst_error <= settings.worst_error
         )
         if below and (last.number > 1 or parameters == 0):
-            return "targets met", (
-                f"global error {last.global_error:.2g}, below {error_text(last.global_upper)} "
-                f"with 95 %; worst error {last.worst_error:.2g}"
-            )
+            return "estimates meet targets", errors
         numerical = last.floor <= MAX_RESIDUAL_ERROR_RATIO * last.simulation_error
         what = f"limited by the {'simulations' if numerical else 'model'}"
         if last.simulations > parameters and last.floor > settings.worst_error:
             return what, (
                 f"no parameters bring the largest residual on the {last.simulations} points "
-                f"simulated below {last.floor:.2g} of the mean force; the target is "
-                f"{settings.worst_error:.2g}"
+                f"simulated below {_percent_text(last.floor)} of the mean force; the target is "
+                f"{_percent_text(settings.worst_error)}"
             )
         least = self.least_reachable_global_error(hindsight)
         if least > settings.global_error:
             return what, (
                 "even the best fit to the verification points leaves a global error above "
-                f"{least:.2g} with 95 %; the target is {settings.global_error:.2g}"
+                f"{_percent_text(least)} with 95 %; the target is "
+                f"{_percent_text(settings.global_error)}"
             )
         if parameters == 0:
             return what, "the model has no parameter that more simulations could improve"
         if last.simulations + settings.batch > settings.simulations:
             return "out of simulations", (
                 f"{last.simulations} of {settings.simulations} simulations are done, and another "
-                f"batch has {settings.batch}; global error {last.global_error:.2g} to "
-                f"{error_text(last.global_upper)}, worst error {last.worst_error:.2g}"
+                f"batch has {settings.batch}; {errors}"
             )
         return "", ""
 
@@ -371,3 +374,7 @@ class SequentialDesign:
             self.simulate_points(added)
             design = np.concatenate([design, added])
             start, surprise = theta, self.residuals(theta, added)
+
+
+def _percent_text(fraction: float) -> str:
+    return percent_text(100 * fraction, sign="")

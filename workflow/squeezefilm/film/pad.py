@@ -33,7 +33,7 @@ class OutlineFile:
     """File of a pad's outline.
 
     Attributes:
-        file: a table of points around the edge (see below), from the folder of this file
+        file: points of the edge (docs/tutorials/your-actuator.md), from the folder of this file
         scatter_m: how far the points may lie off the smooth curve through them; 0 stands for 1e-4
             of the longer side
     """

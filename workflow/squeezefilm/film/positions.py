@@ -70,8 +70,8 @@ class Positions(Section):
         phi_r_m: on a disc: distances of the pad's centre from the disc's; default: half of the
             way that the pad may go and stay on the disc, and all of it
         phi_deg: on a disc: directions. Those of 0 … 45 are enough: their mirror images are added as
-            far as the scene lacks a square's symmetry (see below); default: 0, 22.5 and 45 on a
-            disc
+            far as the scene lacks a square's symmetry (docs/reference/configuration.md); default:
+            0, 22.5 and 45 on a disc
         x_m: on a rectangle: distances of the pad's centre from the y axis. Both sides of it are
             meant: images at −x are added unless pad and vibration make them the same; default: on a
             rectangle, 0, half of the way that the pad may go along x, and all of it

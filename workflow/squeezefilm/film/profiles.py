@@ -285,13 +285,13 @@ class ScanFile:
     """A measured shape, which is smoothed into ``ModeSum`` (measured/smooth.py).
 
     Attributes:
-        file: a vibrometer's table (see below), from the folder of this file
+        file: a vibrometer's table (docs/reference/scan-files.md), from the folder of this file
         axisymmetric: `true` if the shape depends on the distance from the centre alone; `false`
             leaves it free, and is what a rectangle needs
         along: of a rectangle `x` if the shape is the same at every y, `y` if at every x: points on
             a line will do
         sign: with `measured` a scan without phase and sign is invalid, for it is rectified at
-            a node line; `unknown` takes it as it is, and every force says so
+            a node line; `unknown` takes it as it is, with a note at every force
         rows: `COLUMN = VALUE`, the rows of one measurement where the table has several (a drive
             voltage); several conditions have semicolons between. Of a frequency column the rows at
             `actuator.frequency` are taken without; `mode = NUMBER` of a universal file

@@ -356,7 +356,11 @@ def fit_from_values(values: Mapping[str, Any], *, source: Path | str) -> FittedM
 
 
 def amplitude_row(fit: FittedModel, point: Factors, *, force_n: float) -> dict[str, object]:
-    """Amplitude, its errors and a note for one gap and position; NaN where there is none."""
+    """Amplitude, its errors and a note for one gap and position; NaN where there is none.
+
+    Raises InputError for a target force that is zero or not finite.
+    """
+    _check_target_force(force_n)
     (no_film,), point = fit.no_film_texts(point), fit.folded_factors(point)
     where = {name: float(point.column(name)[0]) for name in ("h0_m", *point.position_columns)}
     row: dict[str, object] = {
@@ -373,10 +377,13 @@ def amplitude_row(fit: FittedModel, point: Factors, *, force_n: float) -> dict[s
         hv_m = amplitude_for_force(fit.evaluate, force_n=force_n, **where)
     except InputError as error:
         note = str(error).removeprefix("force_n: ")
+        if not fit.limit_table:
+            return row | {"note": note}
         rest_and_contact = Factors.of(**where, hv_m=[0.0, np.nextafter(where["h0_m"], 0.0)])
         undefined = np.flatnonzero(~np.isfinite(fit.evaluate(rest_and_contact)))
-        reasons = [fit.undefined_texts(rest_and_contact)[at] for at in undefined[:1]]
-        return row | {"note": "; ".join([note, *reasons])}
+        table_ends = [fit.undefined_texts(rest_and_contact)[at] for at in undefined[:1]]
+        # Without a force at rest the table has none at this gap, so that no amplitude was tried.
+        return row | {"note": "; ".join([note] * (0 not in undefined) + table_ends)}
     near = Factors.of(
         **where
         | {
@@ -404,11 +411,10 @@ def amplitude_for_force(
     ``evaluate`` gives a model's forces in newtons, the position is as Factors.of takes it. A model
     may reach any force just before the edge of the region in which it is defined: beyond it the
     force counts as on the other side of the wanted one, so that a bracket may end there.
-    Raises InputError where no amplitude between rest and contact (0 <= hv < h0) gives the
-    force.
+    Raises InputError for a force that is zero or not finite, and where no amplitude between rest
+    and contact (0 <= hv < h0) gives the force.
     """
-    if not np.isfinite(force_n) or force_n == 0:
-        raise InputError(f"force_n: {force_n} N is no force that an amplitude gives")
+    _check_target_force(force_n)
 
     def excess_force_n(amplitude_ratio: ArrayLike) -> Array:
         at = Factors.of(h0_m=h0_m, hv_m=np.asarray(amplitude_ratio) * h0_m, **position)
@@ -434,8 +440,17 @@ def amplitude_for_force(
         # The sign may change at a pole or at the edge, too.
         if abs(excess_force_n(amplitude_ratio)[0]) <= 1e-9 * (1 + abs(force_n)):
             return float(amplitude_ratio) * h0_m
-    rest = f"; at rest it gives {values[0] + force_n:.3g} N" if known[0] else ""
+    if not known.any():
+        raise InputError(f"force_n: the model has no value at h0 = {1e6 * h0_m:g} µm")
+    low, high = 1e6 * h0_m * grid[known][[0, -1]]
+    amplitudes = "all hv below contact" if known.all() else f"hv from {low:.3g} to {high:.3g} µm"
+    least, largest = np.min(values[known]) + force_n, np.max(values[known]) + force_n
     raise InputError(
-        f"force_n: the model gives {force_n:g} N at h0 = {1e6 * h0_m:g} µm for no amplitude "
-        f"below contact (hv < h0){rest}"
+        f"force_n: the model gives {least:.3g} to {largest:.3g} N at h0 = {1e6 * h0_m:g} µm for "
+        f"{amplitudes}, not {force_n:g} N"
     )
+
+
+def _check_target_force(force_n: float) -> None:
+    if not np.isfinite(force_n) or force_n == 0:
+        raise InputError(f"force_n: {force_n:g} N must be finite and not zero")

@@ -339,5 +339,6 @@ def error_by_region_text(factors: Factors, error_n: ArrayLike) -> str:
             worst[name] = fraction, f"{third} third of the {COLUMNS[name].label}"
     ordered = sorted(worst.values(), key=lambda fraction_and_region: -fraction_and_region[0])[:2]
     return "; ".join(
-        f"{fraction:.0%} of the squared error lies in the {where}" for fraction, where in ordered
+        f"{100 * fraction:.0f} % of the squared error lies in the {where}"
+        for fraction, where in ordered
     )

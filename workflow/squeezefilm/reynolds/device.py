@@ -212,7 +212,7 @@ def _choose_device(wanted: str, work_items: int | None) -> Device:
     for device in list_devices():
         name = device_name(device)
         if wanted != "auto" and wanted.lower() not in name.lower():
-            rejected.append(f"{name} (not asked for)")
+            rejected.append(f"{name} (another name)")
         elif not device.double_fp_config:
             rejected.append(f"{name} (no double precision)")
         elif wanted == "auto" and not device.type & cl.device_type.CPU:

@@ -179,6 +179,8 @@ def check_page(results: Results, *, reference: str) -> Page:
     """Every quantity of a study beside those of the reference in a folder."""
     table = check_table(results, Path(reference))
     shown = table.assign(of_tolerance=table["of_tolerance"].map("{:.2g}".format))
+    # On a narrow screen the last columns are out of sight.
+    shown.insert(0, "verdict", shown.pop("verdict"))
     values = {
         "summary": passed_and_failed_text(table, study=results.folder.name),
         "table": shown,
@@ -323,7 +325,7 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
         return (
             f"{failed} of {len(table)} quantities failed. Delete the first file that failed, from "
             "which others may be made, and run again (`snakemake FILE --configfile STUDY.yaml` "
-            "makes it alone); where the change is intended, "
+            "makes one alone, `snakemake check` all); where the change is intended, "
             f"`make reference STUDIES={study}` makes a new reference."
         )
     return f"All {len(table)} quantities that are compared passed."
@@ -345,17 +347,19 @@ def terminal_text(table: pd.DataFrame, folder: Path) -> str:
     if len(rows):
         kinds["Failed"] = rows
     items = zip(rows["part"], rows["item"], strict=True)
-    files = dict.fromkeys(
-        str(folder / FILE_TEMPLATE_OF_PART[part].format(item)) for part, item in items
-    )
+    files = dict.fromkeys(folder / FILE_TEMPLATE_OF_PART[part].format(item) for part, item in items)
     how: dict[str, Any] = {
         "index": False,
         "max_colwidth": MAX_CELL_CHARACTERS,
         "float_format": "{:.2g}".format,
     }
     shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items() if len(rows)]
-    paths = ["Files that failed:\n", *(f"{file}\n" for file in files), "\n"] if files else []
+    paths = ["Files that failed:\n", *map(_file_line, files), "\n"] if files else []
     return "".join([*shown, *paths, passed_and_failed_text(table, study=folder.name)])
+
+
+def _file_line(file: Path) -> str:
+    return f"{file}{'' if file.exists() else ': not made yet'}\n"
 
 
 def tolerance_by_kind(solver: float) -> dict[str, CellTolerance]:

@@ -153,7 +153,7 @@ def recommend(options: argparse.Namespace) -> None:
     models`). The screen shows those of the plan's positions with the least and the largest
     amplitude; between them it may be larger. --output has all positions, and the two errors as
     fractions, `validation_error` and `worst_error`. The fit's file is for `squeezefilm
-    amplitude-for`. The exit status is 1 where no amplitude below contact gives the target force.
+    amplitude-for`. The exit status is 1 where no amplitude gives the target force.
     """
     from squeezefilm_workflow.reporting.models import (
         missing_amplitude_text,

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from squeezefilm.columns import COLUMNS
+from squeezefilm.config.keys import number_text
 from squeezefilm.config.notes import differences_from_paper
 from squeezefilm.film.pad import net_points_on_pad
 from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
@@ -265,7 +266,7 @@ def _column_range_text(column: pd.Series) -> str:
     """Range from the least to the largest; values that are negligible beside the largest are 0."""
     low, high = float(column.min()), float(column.max())
     low = 0.0 if abs(low) < NEGLIGIBLE_FRACTION * abs(high) else low
-    return f"{low:.3g}" if f"{low:.3g}" == f"{high:.3g}" else f"{low:.3g} – {high:.3g}"
+    return " … ".join(dict.fromkeys(number_text(end, digits=3) for end in (low, high)))
 
 
 def _setting_text(value: Any) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.columns import ScanColumn
+from squeezefilm.film.measured.columns import COORDINATE_UNITS, ScanColumn
 from squeezefilm.film.measured.scan import MAX_FINITE_VALUE, list_text
 from squeezefilm.headers import normalised_unit
 from squeezefilm.lazy import pd
@@ -17,6 +17,8 @@ from squeezefilm.lazy import pd
 COMPLEX_PATTERN = r"\(?[\s\d.,eE+-]*\d\s*\*?\s*(?:[ijI]|im)\)?"
 PAIR_PATTERN = re.compile(r"\(\s*([-+.\deE]+)\s*[,;]\s*([-+.\deE]+)\s*\)")
 """A complex number as C++, Fortran and Octave write it: ``(1.2,-0.3)``."""
+COMPLEX_SIGN_PATTERN = re.compile(r"[ijI∠@°\[(]")
+"""What a cell that is no number has if it may be a complex one in another notation."""
 IMAGINARY_UNIT_PATTERN = re.compile(r"\*?(?:[ijI]|im)$")
 MISSING_PATTERN = re.compile(
     r"|-|--|na|n\.?/?a\.?|k\.a\.|n\.\s?[bdemv]\.?|o\.r\.|null|none|missing|not available"
@@ -48,7 +50,7 @@ def parse_numbers(cells: pd.Series) -> pd.Series:
     """Numbers of cells, with decimal points or commas, also ``1.2D-06``; NaN of others."""
     points = (
         cells.str.replace(",", ".")
-        .str.replace("\u2212", "-")
+        .str.replace("[\u2212\u2013]", "-", regex=True)
         .str.replace(r"(?<=\d)[dD](?=[-+]?\d)", "e", regex=True)
     )
     return pd.to_numeric(points, errors="coerce").astype(float)
@@ -75,7 +77,8 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         cells = cells.mask(
             with_unit, cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
         )
-    if name == "amplitude" and has_complex_pairs(cells):
+    if name == "amplitude":
+        # NumPy writes (1.2+-0.3j).
         cells = cells.str.replace(PAIR_PATTERN, r"\1+\2i", regex=True)
         cells = cells.str.replace(r"\+(?=[-+])", "", regex=True)
     cells = _without_thousands_separators(cells)
@@ -98,9 +101,22 @@ def si_values(table: pd.DataFrame, column: ScanColumn) -> pd.Series:
         values = 10 ** (values / 20)
     finite = values.abs() * (column.size or 1.0) <= MAX_FINITE_VALUE
     for line, cell in cells[~finite][:1].items():
-        remedy = "" if re.search(r"\d|inf", cell) else "; write nan where nothing was measured"
-        raise InputError(f"line {line}: {name} is {cell!r}, not a finite number{remedy}")
+        raise InputError(
+            f"line {line}: {name} is {cell!r}, not a finite number{_remedy_of_cell(cell, name)}"
+        )
     return values * (column.size or 1.0)
+
+
+def _remedy_of_cell(cell: str, name: str) -> str:
+    """Return what to write in place of a cell that is no number; "" of an infinite one."""
+    if name in COORDINATE_UNITS:
+        return "; every row needs its place, also where it is that of the row above" * is_missing(
+            cell
+        )
+    if not re.search(r"\d|inf", cell):
+        return "; write nan as the amplitude of what was not measured"
+    is_complex = name == "amplitude" and COMPLEX_SIGN_PATTERN.search(cell)
+    return "; a complex amplitude is written as 1.2-0.3i or (1.2,-0.3)" * bool(is_complex)
 
 
 def _without_thousands_separators(cells: pd.Series) -> pd.Series:

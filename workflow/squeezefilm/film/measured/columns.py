@@ -79,7 +79,8 @@ OVER_DRIVE_PATTERN = re.compile(
 )
 """The voltage or force that a response is over; m/V alone may be a decoder's scale."""
 FREQUENCY_IN_NAME_PATTERN = re.compile(
-    r"(?:\A\W*|(?<=\w)[\s_]+(?:at\s+|bei\s+)?)(\d+(?:[.,]\d*)?)\s*([kM]?Hz)\b", re.IGNORECASE
+    r"(?:\A\W*|(?<=\w)(?:\s*@\s*|[\s_]+(?:at\s+|bei\s+)?))(\d+(?:[.,]\d*)?)\s*([kM]?Hz)\b",
+    re.IGNORECASE,
 )
 """The same in a name: ``43270 Hz Magnitude``, ``Amplitude 43.27 kHz [um]``."""
 FREQUENCY_NAME_PATTERN = re.compile(r"\W*\d+(?:[.,]\d*)?\s*[kM]?Hz\b\s*(|[\[(].*)", re.IGNORECASE)
@@ -179,6 +180,9 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
         frozenset(core)
     ):
         return quantity
+    of_words = {QUANTITY_OF_WORDS.get(frozenset([word])) for word in core}
+    if len(of_words) == 1 and of_words != {None}:
+        return of_words.pop()
     if core & COMPONENT_WORDS and (rest := frozenset(core - COMPONENT_WORDS)) in QUANTITY_OF_WORDS:
         quantity = QUANTITY_OF_WORDS[rest]
         if quantity == "height":
@@ -371,14 +375,16 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         if each.quantity in ("x", "y")
         and (VOLTS_PATTERN.search(each.name) or OMEGA_POWER_OF_UNIT.get(each.unit))
     ]
-    known = {each.column_index for each in header_columns(header)}
-    unknown = [
+    known = {each.column_index for each in named}
+    unknown = [name for at, name in unused.items() if at not in known]
+    voltages = [name for name in unknown if VOLTS_PATTERN.search(name)]
+    motions = [
         name
-        for at, name in unused.items()
-        if at not in known and next(possible_words_and_units(name, ALL_UNITS))[1] in MOTION_UNITS
+        for name in unknown
+        if next(possible_words_and_units(name, ALL_UNITS))[1] in MOTION_UNITS
     ]
     heights = [each.name for each in named if each.quantity == "height" and each.size]
-    values = heights if not unknown else unknown * (len(unknown) == 1)
+    values = heights if not motions else motions * (len(motions) == 1)
     columns_by_stem: dict[str, list[str]] = {}
     for name in unused.values():
         stem = re.sub(r"\d+", "", name)
@@ -390,6 +396,10 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         f"call {list_text([*map(repr, lock_in)])} of a lock-in amplifier real_mm/s, imaginary_mm/s "
         "or the like (only the shape counts)"
     ] * bool(lock_in)
+    remedies += [
+        f"call {name!r} velocity_mm/s or the like if a vibrometer's (only the shape counts)"
+        for name in voltages * (len(voltages) == 1)
+    ]
     remedies += [f"call {name!r} amplitude_um if the vibration's amplitude" for name in values]
     if len(repeated) > 1:
         unit = repeated[0][repeated[0].index("[") :]

@@ -87,6 +87,8 @@ def find_header(
             if not count:
                 continue
             row = split_cells(below, between)
+            if between == BLANK_SEPARATOR and len(row) == 1:
+                continue
             if (
                 len(row) == len(cells) + 1
                 and scan_column_of_cell(cells[0])

@@ -215,7 +215,8 @@ def _fitting_origin_note(scan: Scan, surface: Surface) -> str:
             f"; about the middle of their extents, {origin_text}, they reach beyond it by "
             f"{beyond:.1%}: say {surface.enclosing_text(scan.x_m - x_m, scan.y_m - y_m)} too"
         )
-    return ""
+    exchanged = surface.relative_distance(scan.y_m - y_m, scan.x_m - x_m).max() - 1
+    return "; they fit with x and y exchanged" * bool(exchanged <= EXTENT_TOLERANCE_FRACTION)
 
 
 def _centre_of_symmetry(

@@ -29,6 +29,8 @@ FOREIGN_FILES = [
 ASIAN_WORDS = [word for words in WORDS_OF_MEANING.values() for word in words if word >= "\u3000"]
 MARKDOWN_RULE_PATTERN = re.compile(r"\s*\|?(?:\s*:?-+:?\s*\|)+(?:\s*:?-+:?)?\s*")
 """The line below the header of a table of Markdown: ``| ---: | :---: |``."""
+MAC_ROMAN_PATTERN = re.compile(rb"\W\xa1\W|[a-z][\x8a\x8e\x8f\x9a\x9f]")
+"""A degree sign, or accents within words, that are signs in Latin-1 and Windows' alphabet."""
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
 
 
@@ -88,4 +90,5 @@ def _decode_text(content: bytes) -> tuple[str, str]:
             text = content.decode(encoding)
             if any(word in text for word in words):
                 return text, encoding.removesuffix("-sig")
-    return content.decode("latin-1"), "latin-1"
+    encoding = "mac_roman" if MAC_ROMAN_PATTERN.search(start) else "latin-1"
+    return content.decode(encoding), encoding

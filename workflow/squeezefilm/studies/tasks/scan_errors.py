@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.measured.smooth import SmoothedScan
@@ -119,19 +120,23 @@ def scan_errors_of_study(config: Study, smoothed: SmoothedScan) -> pd.DataFrame:
     return points.join(scan_errors_table(scenes_of_table(points, config), smoothed, device=device))
 
 
-def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
-    """Smooth the scan of a study and simulate some of its scenes with other noise.
+def scan_report(config: FilmSections) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, Any], str]:
+    """Smooth the scan of a film and simulate some scenes of its study, if any, with other noise.
 
     Returns: forces of some scenes, the profile as a table, the largest errors of forces, and lines
         about all.
 
-    Raises InputError for a study whose profile is not measured.
+    Raises InputError for a film whose profile is not measured.
     """
     smoothed = config.smoothed_scan()
     if smoothed is None:
         kind = config.actuator.profile.kind
         raise InputError(f"{config.path}: actuator.profile: {kind} is not measured")
-    forces = scan_errors_of_study(config, smoothed)
+    forces = (
+        scan_errors_of_study(config, smoothed)
+        if isinstance(config, Study)
+        else pd.DataFrame(columns=["noise_fraction", "scan_error_fraction"])
+    )
     noise, error = (float(forces[f"{part}_fraction"].max()) for part in ("noise", "scan_error"))
     x_m, y_m, _ = smoothed.profile.surface.net_points_and_weights()
     unsure = _rounded_up_percent_text(float(smoothed.standard_error(x_m=x_m, y_m=y_m).max()))
@@ -140,7 +145,9 @@ def scan_report(config: Study) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, An
     point_noise = percent_text(100 * smoothed.noise_m / smoothed.peak_m, sign="")
     rms = f"{percent_text(100 * smoothed.quadrature, sign='')} rms including its noise"
     row = {
-        "measurement noise of a force": f"at most {_rounded_up_percent_text(noise)} (95 %)",
+        "measurement noise of a force": "`squeezefilm simulate` shows it with each force"
+        if forces.empty
+        else f"at most {_rounded_up_percent_text(noise)} (95 %)",
         "largest amplitude": f"{smoothed.peak_m * 1e6:.4g} µm",
         "noise of a point": f"{point_noise} of the largest amplitude",
         "standard error of the profile": f"at most {unsure} of the largest amplitude",

@@ -190,7 +190,9 @@
   }
 
   function noAmplitude(fit, now) {
-    return `none below contact gives ${plain(now.force_n)} N`;
+    const atContact = force(fit, { ...now, hv_m: now.h0_m * (1 - 1e-12) });
+    const where = Number.isFinite(atContact) ? "below contact" : "where the model is defined";
+    return `none ${where} gives ${plain(now.force_n)} N`;
   }
 
   function noGap(fit, now, [least, most]) {
@@ -211,8 +213,7 @@
     const [digits, around] = toItsError(there[name] / UM, error);
     const force_n = `for ${plain(there.force_n)} N`;
     if (doubted) return `${digits} µm ${force_n} (not validated)`;
-    const without = name === "h0_m" ? ", without the modelling error" : "";
-    return `${digits} µm ± ${around} µm ${force_n}${without}`;
+    return `${digits} µm ± ${around} µm ${force_n}, without the modelling error`;
   }
 
   // The error of a gap or an amplitude that gives the target force: the force's over the slope.
