@@ -30,7 +30,7 @@ TABLES = {
     " --config config/my-actuator.yaml --output {table}",
     "amplitude": "squeezefilm amplitude-for results/my-actuator/models/four_factor/limit_1.json"
     " --force 0.15N --h0 5:10:11um --x 0mm,2mm --output {table}",
-    "levitation": "squeezefilm levitate --load 0.4:1:7N --hv 2um,3um,4um"
+    "levitation": "squeezefilm levitate --mass 40:100:7g --hv 2um,3um,4um"
     " --config config/levitation.yaml --output {table}",
 }
 """Commands of the pages whose table is drawn by `squeezefilm plot`."""

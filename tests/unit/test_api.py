@@ -210,7 +210,7 @@ def test_gap_and_response_are_those_of_the_command_line(study, repository, tmp_p
         np.testing.assert_allclose(numbers, told[list(numbers)], rtol=1e-9)
     gains = study.gains("5 um", "2 um", frequencies="10, 1000 Hz")
     assert gains["gain"].iloc[0] > gains["gain"].iloc[1] > 0
-    with pytest.raises(sf.InputError, match="give load, or one mass"):
+    with pytest.raises(sf.InputError, match="give load or mass"):
         study.levitate("2 um")
 
 

@@ -34,7 +34,8 @@ def budget(included):
     for number, name in enumerate(EFFECTS, start=1):
         table[f"{name}_percent"] = number * 1e5 * table["h0_m"]
     ends = {f"modelling_error_{end}_percent": table["slip_percent"] for end in ("lower", "upper")}
-    return table.assign(**ends)
+    ends["modelling_error_upper_percent"] = ends["modelling_error_lower_percent"] + 0.5
+    return table.assign(edge_flow_error_percent=np.linspace(0.1, 0.3, len(table)), **ends)
 
 
 @pytest.mark.parametrize(
@@ -53,6 +54,8 @@ def test_a_panel_of_the_budget_says_whether_its_effect_is_in_the_forces(included
     titles = [axes.get_title() for axes in figure.axes]
     assert titles[0] == f"(a) {shown}"
     assert titles[1] == "(b) slip, neglected (%)"
+    note = " ".join(figure.texts[0].get_text().split())
+    assert "(e): ± 0.10 to 0.30 %. Total: middle of the interval, (f): ± 0.25 %" in note
 
 
 def test_a_budget_of_an_earlier_version_is_answered_with_what_mends_it(paper, tmp_path):

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -176,6 +177,30 @@ def test_a_levitation_is_drawn_with_its_modelling_error_stiffness_and_resonance(
     without = curve_figure(table.assign(resonance_hz=None))
     assert len(without.axes) == 2
     assert "resonance" not in without.texts[0].get_text()
+
+
+def test_masses_carried_with_their_weight_are_drawn_over_the_mass():
+    table = points(x_m=0.0, y_m=0.0, h0_m=[6e-6, 5e-6, 4e-6, 3e-6], mass_kg=[0.1, 0.2, 0.3, 0.4])
+    table = table.drop(columns=["force_n", "force_error_n"]).assign(h0_error_m=1e-9)
+    table["load_n"] = 9.81 * table["mass_kg"]
+    (axes,) = curve_figure(table).axes
+    assert axes.get_xlabel() == "levitated mass $m$ (g)"
+    assert axes.containers[0].lines[0].get_xdata() == pytest.approx([100, 200, 300, 400])
+
+
+def test_gains_are_drawn_over_the_frequency_with_their_absolute_errors():
+    table = points(x_m=0.0, y_m=0.0, gain=[2.0, 1.9, 1.6, 1.5], phase_deg=-5.0)
+    table = table.drop(columns=["force_n", "force_error_n"]).assign(
+        frequency_hz=[10.0, 30.0, 100.0, 300.0], error=[0.01, 0.01, 0.01, 0.02]
+    )
+    figure = curve_figure(table)
+    gain, phase = figure.axes
+    assert (gain.get_ylabel(), phase.get_ylabel()) == ("gain", "phase (°)")
+    assert (phase.get_xlabel(), phase.get_xscale()) == ("frequency (Hz)", "log")
+    (bars,) = gain.containers[0].lines[2]
+    assert np.ptp(bars.get_segments()[-1][:, 1]) / 2 == pytest.approx(0.03)
+    (bars,) = phase.containers[0].lines[2]
+    assert np.ptp(bars.get_segments()[-1][:, 1]) / 2 == pytest.approx(np.degrees(0.02))
 
 
 def test_a_gap_of_unknown_modelling_error_is_drawn_hollow():

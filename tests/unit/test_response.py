@@ -15,7 +15,10 @@ ONE = ["response", "--h0", "5um", "--hv", "2.2um"]
 def test_one_scene_is_told_in_words_and_a_table(capsys):
     assert main([*ONE, "--frequencies", "100Hz,1kHz"]) == 0
     told = dict(re.split("  +", line) for line in capsys.readouterr().out.splitlines())
-    assert [told[f"{k} gain"] for k in ("static", "instantaneous")] == ["2.1668 ± 0.0032", "1.32"]
+    assert [told[f"{k} gain"] for k in ("static", "instantaneous")] == [
+        "2.1668 ± 0.0032",
+        "1.3199 ± 0.0030",
+    ]
     assert told["gains"].startswith("frequency 100 Hz, gain 2.13, phase -4.09 °")
 
 
@@ -24,7 +27,7 @@ def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):
     scenes.write_text("point_id,h0_m,hv_m,phi_r_m,phi_deg\na,5e-6,2e-6,0,0\nthick,5e-5,2e-6,0,0\n")
     config = str(repository / "config" / "paper.yaml")
     words = ["response", str(scenes), "--config", config, "--output", str(output)]
-    assert main([*words, "--steps", str(steps)]) == 0
+    assert main([*words, "--steps", str(steps)]) == 1
     summary = pd.read_csv(output, index_col="point_id").loc["a"]
     rows = pd.read_csv(steps, index_col="point_id")
     assert rows.loc["thick", "status"].startswith("not supported: the period-averaged equation")
@@ -67,6 +70,14 @@ def test_what_the_averaged_film_neglects_is_said_with_numbers(capsys):
     assert slip == pytest.approx([0.12, 7.6, -7.8, -8.0], rel=0.03)
     changes = [told[f"{effect}_gain_percent"] for effect in ("inertia", "thermal")]
     assert changes == pytest.approx([-0.11, 0.01], abs=0.01)
+
+
+def test_a_scene_outside_the_limits_is_shown_with_exit_status_1(capsys, repository):
+    words = ["response", "--h0", "20um", "--hv", "3um"]
+    assert main([*words, "--config", str(repository / "config" / "levitation.yaml")]) == 1
+    told = capsys.readouterr()
+    assert "Re = 3.34 is above 3" in told.out
+    assert "outside the limits of validity" in told.err
 
 
 @pytest.mark.parametrize("frequencies", ["10kHz", "0Hz,100Hz"])

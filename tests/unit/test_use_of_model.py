@@ -353,6 +353,7 @@ def test_one_unit_at_the_end_is_that_of_all_numbers():
         ("7,5um", r"7\.5um, or 7um,5um\?"),
         ("5,5um", r"5\.5um, or 5um,5um\?"),
         ("0.5,1,2um", r"'0\.5,1,2um': 0\.5um,1um,2um\?"),
+        ("0.5,0.6um", r"'0\.5,0\.6um': 0\.5um,0\.6um\?"),
         ("5um,0.005mm", "a value stands twice"),
         ("5:5:3um", "a value stands twice"),
     ],

@@ -8,7 +8,11 @@ import pandas as pd
 from squeezefilm.api.dynamics import levitations
 from squeezefilm.api.film import Film
 from squeezefilm.api.forces import budget_table
-from squeezefilm.dynamics.levitation_tables import levitation_table, loads_and_amplitudes_of_table
+from squeezefilm.dynamics.levitation_tables import (
+    Load,
+    levitation_table,
+    loads_and_amplitudes_of_table,
+)
 from squeezefilm.dynamics.response import gain_table, response_table
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAP_RANGE_M
@@ -23,7 +27,7 @@ def levitation_table_of_forces(study: Film, forces_file: str) -> pd.DataFrame:
     """The gaps that carry loads like the plan's forces."""
     loads_n, amplitudes_m = loads_and_amplitudes_of_table(forces_file)
     moved = study.scenes(pd.DataFrame({"hv_m": amplitudes_m, "h0_m": GAP_RANGE_M[1]}))
-    return levitation_table(levitations(study, moved, loads_n, mass_kg=None), mass_kg=None)
+    return levitation_table(levitations(study, moved, [Load(load_n) for load_n in loads_n]))
 
 
 def cross_section_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFrame:

@@ -47,7 +47,7 @@ ERROR_PERCENT_COLUMNS = (
 )
 """Errors without a value beside them: rounded up, as those with one are."""
 HIDDEN_COLUMNS = {"point_id", "terms", "absent_terms", "inertia", "newton_steps", "residual"} | {
-    *("bearing_percent", "bearing_error_percent"),
+    *("bearing_percent", "bearing_error_percent", "mass_kg"),
 }
 NOT_AVAILABLE_TEXT, EFFECT_ERROR_SUFFIX = "not available", "_error_percent"
 NOT_VALIDATED_TEXT = "not validated"
@@ -66,7 +66,10 @@ EFFECTS_WITH_ESTIMATED_ERROR = (
     "edge_flow",
 )
 # Never negative: an error as large as the value leaves an upper bound.
-NON_NEGATIVE_QUANTITIES = ("resonance", "damping_ratio", "settling_start", "settling_stop")
+NON_NEGATIVE_QUANTITIES = (
+    *("resonance", "damping_ratio", "settling_start", "settling_stop"),
+    *("corner", "instantaneous_fraction", "lasting_fraction"),
+)
 # Of a levitation, whose modelling error is that of its gap.
 COLUMNS_WITHOUT_MODELLING_ERROR = ("stiffness_n_per_m", "resonance_hz", "damping_ratio")
 # An effect is shown as a bound where it is less than this fraction of its error.

@@ -190,7 +190,8 @@ def parse_quantities(text: str, *, option: str, unit: str) -> list[float]:
     if not ends:
         parts = [f"{number.strip()}{unit_of_all}" for number in numbers.split(",")]
         if unit_of_all and re.search(r",\S", numbers):
-            decimal = f"{text.replace(',', '.')}, or " * (len(parts) == 2)
+            may_be_decimal = len(parts) == 2 and "." not in text
+            decimal = f"{text.replace(',', '.')}, or " * may_be_decimal
             raise InputError(f"{option} {text!r}: {decimal}{','.join(parts)}? give each its unit")
         values = [parse_quantity(part, option=option, unit=unit) for part in parts]
         return _require_distinct(values, f"{option} {text!r}")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any
 
 from squeezefilm.api.film import FactorValues, Film, parse_factor_values
 from squeezefilm.api.forces import scan_error_function
-from squeezefilm.dynamics.levitation_tables import levitation_rows
+from squeezefilm.dynamics.levitation_tables import Load, levitation_rows
 from squeezefilm.errors import InputError
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAP_RANGE_M
@@ -17,15 +18,15 @@ GRAVITY_M_PER_S2 = 9.80665
 DEFAULT_FREQUENCIES_TEXT = "10Hz,30Hz,100Hz,300Hz,1000Hz"
 
 
-def parse_loads_and_mass(
+def parse_loads(
     load: FactorValues | None, mass: FactorValues | None, *, option: str = "{}"
-) -> tuple[list[float], float | None]:
-    """Return loads in newtons, by default the weight of the mass, and the mass in kilograms.
+) -> list[Load]:
+    """Return each load with each mass, or the weight of each mass.
 
     Args:
         option: how a name is written in messages.
 
-    Raises InputError for neither, for several masses, and for what is not positive.
+    Raises InputError for neither, and for what is not positive.
     """
     values_of: dict[str, list[float]] = {}
     for name, values, unit in (("load", load, "N"), ("mass", mass, "kg")):
@@ -37,11 +38,11 @@ def parse_loads_and_mass(
                 raise InputError(f"{error}{_other_quantity_hint(values, name, option)}") from None
             if min(values_of[name]) <= 0:
                 raise InputError(f"{called} {values!r} must be positive")
-    masses = values_of.get("mass", [])
-    if len(masses) > 1 or not values_of:
-        raise InputError(f"give {option.format('load')}, or one {option.format('mass')}")
-    loads_n = values_of.get("load") or [GRAVITY_M_PER_S2 * mass_kg for mass_kg in masses]
-    return loads_n, masses[0] if masses else None
+    if not values_of:
+        raise InputError(f"give {option.format('load')} or {option.format('mass')}")
+    if "load" in values_of:
+        return [Load(*each) for each in product(values_of["load"], values_of.get("mass", [None]))]
+    return [Load(GRAVITY_M_PER_S2 * mass_kg, mass_kg) for mass_kg in values_of["mass"]]
 
 
 def _other_quantity_hint(values: FactorValues, name: str, option: str) -> str:
@@ -71,10 +72,8 @@ def levitation_scenes(
     return film.scenes({**points, "h0_m": (GAP_RANGE_M[1],) * len(points["hv_m"])})
 
 
-def levitations(
-    film: Film, scenes: Scenes, loads_n: Sequence[float], *, mass_kg: float | None
-) -> Iterator[dict[str, Any]]:
+def levitations(film: Film, scenes: Scenes, loads: Sequence[Load]) -> Iterator[dict[str, Any]]:
     """Yield a row for each scene and load, with its gap, as soon as it is known."""
     off_n = scan_error_function(film.scan, device=film.device)
     how = film.solver().levitation_arguments
-    yield from levitation_rows(scenes, loads_n, how=how, scan_error_n=off_n, mass_kg=mass_kg)
+    yield from levitation_rows(scenes, loads, how=how, scan_error_n=off_n)

@@ -372,8 +372,8 @@ class Film:
         ``stiffness_n_per_m``; ``status`` is ``ok``, or why there is no gap.
 
         Args:
-            load: loads; the weight of the mass by default.
-            mass: levitated mass, for resonance and damping ratio too.
+            load: loads; the weight of each mass by default.
+            mass: levitated masses, for resonance and damping ratio too.
 
         Raises InputError for neither of both, and as ``scene`` does.
 
@@ -381,14 +381,13 @@ class Film:
             >>> film = sf.Film.read("config/levitation.yaml")
             >>> film.levitate("3 um", mass="60 g")[["h0_m", "stiffness_n_per_m", "resonance_hz"]]
         """
-        from squeezefilm.api.dynamics import levitation_scenes, levitations, parse_loads_and_mass
+        from squeezefilm.api.dynamics import levitation_scenes, levitations, parse_loads
         from squeezefilm.api.points import Points
         from squeezefilm.dynamics.levitation_tables import levitation_table
 
-        loads_n, mass_kg = parse_loads_and_mass(load, mass)
+        loads = parse_loads(load, mass)
         scenes = levitation_scenes(self, factor_combinations(hv=hv, **position))
-        rows = levitations(self, scenes, loads_n, mass_kg=mass_kg)
-        return Points(levitation_table(rows, mass_kg=mass_kg))
+        return Points(levitation_table(levitations(self, scenes, loads)))
 
     def response(
         self, h0: FactorValues, hv: FactorValues, **position: Unpack[Position]

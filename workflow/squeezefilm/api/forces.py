@@ -57,7 +57,7 @@ SCAN_ERROR_COLUMNS = ("misfit_n", "quadrature_n")
 class Force:
     """The mean force of one scene, its error, and the effects that its equation neglects.
 
-    ``print(force)`` says all of it in words, ``float(force)`` is the force in newtons.
+    ``print(force)`` prints all of it, ``float(force)`` is the force in newtons.
 
     Attributes:
         scene: what was solved.
@@ -73,7 +73,7 @@ class Force:
         tolerance: the required relative error.
         notes: which terms ``auto`` could not include and why, and what was seen of the scan.
 
-    Answers beside the force that were asked for are ``solution.outputs``.
+    Requested output quantities are ``solution.outputs``.
     """
 
     scene: Scene

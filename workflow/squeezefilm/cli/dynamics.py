@@ -12,7 +12,7 @@ from squeezefilm.api.dynamics import (
     DEFAULT_FREQUENCIES_TEXT,
     levitation_scenes,
     levitations,
-    parse_loads_and_mass,
+    parse_loads,
 )
 from squeezefilm.cli.options import (
     FILM_OPTIONS,
@@ -34,7 +34,7 @@ from squeezefilm.dynamics.levitation_tables import levitation_table
 from squeezefilm.dynamics.response import gain_table, response_table, start_and_stop_table
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN_COLUMNS
-from squeezefilm.film.validity import OK
+from squeezefilm.film.validity import OK, validity_text
 from squeezefilm.formatting import scene_row, value_text
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import print_step
@@ -44,7 +44,7 @@ from squeezefilm.units import parse_quantities
 
 @command(
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1:1:10N"),
-    option("--mass", "QUANTITY", "levitated mass, e.g. 50g, for the resonance"),
+    option("--mass", "QUANTITY", "levitated mass, e.g. 50g; 50g,60g, for the resonance"),
     table_output_option(
         "--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"
     ),
@@ -55,7 +55,7 @@ def levitate(options: argparse.Namespace) -> None:
     """The gap at which the film carries a load, its stiffness, and whether it is stable.
 
       squeezefilm levitate --load 0.5N --hv 1.5um [--mass 50g]
-      squeezefilm levitate --mass 10g --hv 1.5um
+      squeezefilm levitate --mass 10:50:5g --hv 1.5um
       squeezefilm levitate --load 0.1:1:10N --hv 1um,2um --output LEVITATION.csv
 
     The gap is found by simulations at the pad's position. Its modelling error is the modelling
@@ -73,25 +73,26 @@ def levitate(options: argparse.Namespace) -> None:
     resonance and damping ratio do not contain the modelling error.
 
     `other_gaps_m` are approximate smaller gaps that carry the same load. Without --load the load is
-    the weight of the mass. With a mass, `resonance_hz` = |Im λ|/2π and `damping_ratio` = −Re λ/|λ|
+    the weight of each mass. With a mass, `resonance_hz` = |Im λ|/2π and `damping_ratio` = −Re λ/|λ|
     (1 is critical) describe its vertical free oscillation exp(λt), where λ is the root of the
-    equation of motion with the film's stiffness at λ. Their errors hold that of this stiffness, at
-    the gap found.
+    equation of motion with the film's stiffness at λ. Their errors contain that of this stiffness,
+    at the gap found.
 
     `modelling_error_lower_percent` and `…_upper_percent` bound the change of the force by neglected
     effects. `note` gives the terms that `auto` does not include, those included near their limit,
-    and the reason for a resonance that is missing or has an error as large as itself. Of several
-    loads each gap is told on stderr as soon as it is known.
+    the reason for a resonance that is missing or has an error as large as itself, and a slower
+    return of the gap without oscillation. Of several
+    loads each gap is printed on stderr as soon as it is known.
     """
     film = film_of_options(options)
     if options.hv is None or options.load is options.mass is None:
         raise InputError("give --load and --hv, or --mass and --hv")
-    loads_n, mass_kg = parse_loads_and_mass(options.load, options.mass, option="--{}")
-    points = points_of_options(options, times=len(loads_n))
+    loads = parse_loads(options.load, options.mass, option="--{}")
+    points = points_of_options(options, times=len(loads))
     scenes = levitation_scenes(film, points, option="--{}")
-    alone = options.output is None and len(scenes) * len(loads_n) == 1
+    alone = options.output is None and len(scenes) * len(loads) == 1
     rows = []
-    for row in levitations(film, scenes, loads_n, mass_kg=mass_kg):
+    for row in levitations(film, scenes, loads):
         rows.append(row)
         if not alone:
             print_step(_levitation_text(row))
@@ -99,7 +100,7 @@ def levitate(options: argparse.Namespace) -> None:
         without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     if not alone:
-        table = levitation_table(rows, mass_kg=mass_kg)
+        table = levitation_table(rows)
         write_or_print_rows(table.assign(**study_name_column(options)), options)
         if missing := sum(row["status"] != OK for row in rows):
             raise RunError(f"{missing} of {len(rows)} rows have no gap: `status` has the reason")
@@ -154,14 +155,17 @@ def response(options: argparse.Namespace) -> None:
     surface stops), the rest with the gas that passes the film edge: `instantaneous_gain` is what
     remains of the gain far above `corner_hz`, at which the difference of both gains has fallen by
     3 dB. `settling_start_s` is the time until the force stays within 5 % after the surface starts,
-    `settling_stop_s` until 5 % is left after it stops, each to about two periods.
+    `settling_stop_s` until 5 % is left after it stops. Their errors contain the phase of the start
+    or stop; the fractions are means over it.
 
     By the film equation averaged over a period of the vibration, without inertia and thermal
     effects; films whose averaged settled force is over 3 % in error are not supported. What the
     averaged equation neglects is stated as a change in %: first-order slip by the same equation
     with slip, inertia and thermal effects by the periodic forces' gain for slow modulation (their
-    effect on corner and settling times is not available). `validity` is `ok`, or the limits of
-    validity that a scene exceeds under this equation.
+    effect on corner and settling times is not available).
+
+    `validity` is `ok`, or the limits of validity that a scene exceeds under this equation.
+    The exit status is 1 for a single scene outside them, and where a scene has no response.
     """
     film = film_of_options(options)
     points, alone = points_unless_scenes_table(options), options.scenes is None
@@ -204,3 +208,8 @@ def response(options: argparse.Namespace) -> None:
         write_table(gained, options.gains)
     if options.steps is not None:
         write_table(start_and_stop_table(table, scenes), options.steps)
+    if alone and (valid := validity_text(scenes[0].viscous())) != OK:
+        raise RunError(f"outside the limits of validity: {valid}")
+    if options.output is not None and (table_of_responses["status"] != OK).any():
+        missing = sum(table_of_responses["status"] != OK)
+        raise RunError(f"{missing} of {len(table)} scenes have no response: see `status`")

@@ -73,8 +73,8 @@ def simulate(options: argparse.Namespace) -> None:
     and point_id; results of other commands beside them are ignored.
 
     The others take quantities: a number with its unit, several with commas, or evenly spaced ones
-    as first:last:count: 0.5:2.5:9um are 9 values from 0.5 to 2.5 µm. The unit stands last or after
-    each number; every combination is a point. One point is shown with its force, errors and
+    as first:last:count: 0.5:2.5:9um are 9 values from 0.5 to 2.5 µm. Between commas each
+    number has its unit; every combination is a point. One point is shown with its force, errors and
     numbers; several make a table.
 
     `force_error_n` is the numerical error; with a scan `measurement_noise_n` is what its noise adds

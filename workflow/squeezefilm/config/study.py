@@ -322,7 +322,7 @@ class Validation(Section):
 
 
 class Extrapolation(Section):
-    """The check beyond the screen, in amplitude alone.
+    """The target force, and an operating point beyond the screen that checks the models.
 
     Attributes:
         h0_m: mean gap of the operating point that is simulated, within the screen's range; default:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -41,6 +41,18 @@ LEVITATION_COLUMNS: dict[str, Callable[[Levitation], object]] = {
 }
 
 
+class Load(NamedTuple):
+    """A load on a film, and its mass.
+
+    Attributes:
+        force_n: weight, or another force.
+        mass_kg: levitated mass, for its resonance; None where there is none.
+    """
+
+    force_n: float
+    mass_kg: float | None = None
+
+
 RESONANCE_COLUMNS = ("resonance_hz", "resonance_error_hz", "damping_ratio", "damping_ratio_error")
 
 
@@ -61,22 +73,21 @@ def loads_and_amplitudes_of_table(path: str) -> tuple[list[float], list[float]]:
 
 def levitation_rows(
     scenes: Sequence[Scene],
-    loads_n: Sequence[float],
+    loads: Sequence[Load],
     *,
     how: dict[str, Any],
     scan_error_n: Callable[[Scene], float],
-    mass_kg: float | None = None,
 ) -> Iterator[dict[str, object]]:
     """Rows of a table of levitations, as they are known: for each scene and load, its gap sought.
 
     Args:
         how: the settings of ``levitate``.
         scan_error_n: uncertainty of a scene's force by the noise of a measured profile.
-        mass_kg: that floats, for its resonance.
     """
-    with track_progress(len(loads_n) * len(scenes), unit="load", name="levitate") as bar:
-        for scene, load_n in product(scenes, loads_n):
-            row: dict[str, object] = {"load_n": load_n, "hv_m": scene.hv_m, **position_row(scene)}
+    with track_progress(len(loads) * len(scenes), unit="load", name="levitate") as bar:
+        for scene, (load_n, mass_kg) in product(scenes, loads):
+            row: dict[str, object] = {} if mass_kg is None else {"mass_kg": mass_kg}
+            row |= {"load_n": load_n, "hv_m": scene.hv_m, **position_row(scene)}
             try:
                 levitation = levitate(scene, load_n=load_n, **how)
                 noise_m = scan_error_n(levitation.scene) / abs(levitation.stiffness_n_per_m)
@@ -98,11 +109,11 @@ def levitation_rows(
             bar.update(1)
 
 
-def levitation_table(rows: Iterable[dict[str, object]], *, mass_kg: float | None) -> pd.DataFrame:
+def levitation_table(rows: Iterable[dict[str, object]]) -> pd.DataFrame:
     """A table of ``levitation_rows``, without the columns of dimensionless numbers and effects."""
     columns = ["load_n", "hv_m", *CARTESIAN_COLUMNS]
     columns += [*LEVITATION_COLUMNS, "h0_measurement_noise_m", "status", "note"]
-    if mass_kg is None:
-        return pd.DataFrame(rows).reindex(columns=columns)
-    table = pd.DataFrame(rows).assign(mass_kg=mass_kg)
-    return table.reindex(columns=["mass_kg", *columns, *RESONANCE_COLUMNS])
+    table = pd.DataFrame(rows)
+    if "mass_kg" in table:
+        columns = ["mass_kg", *columns, *RESONANCE_COLUMNS]
+    return table.reindex(columns=columns)

@@ -42,6 +42,7 @@ ROOT_GRID_TOLERANCE, MAX_ROOT_GRID_ERROR = 1e-3, 0.1
 MIN_IMAGINARY_FRACTION = 1e-3
 MAX_ROOT_STEPS = 40
 OVERDAMPED_STATUS = "no oscillation: gas that is pressed out damps the motion away (overdamped)"
+CREEP_NOTE = "the gap also creeps back without oscillation (time constant about {:.2g} ms)"
 NEARLY_CRITICAL_REASON = "the damping is nearly critical: the error decides whether it oscillates"
 
 
@@ -54,7 +55,8 @@ class Resonance(NamedTuple):
         frequency_error_hz: by the averaged film, at the gap given.
         damping_ratio: ζ = −Re λ/|λ|, 1 for critical damping; NaN as the frequency.
         damping_ratio_error: likewise.
-        reason: why there is none, none is known, or no more than a bound; empty where there is one.
+        reason: why there is none, none is known, or no more than a bound; where there is one, a
+            motion that dies away more slowly, or empty.
     """
 
     frequency_hz: float = nan
@@ -94,11 +96,14 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     # The layer of gas that the motion moves at the edge is thinner than a settled film needs.
     finer = GRID_POINT_COUNTS[GRID_POINT_COUNTS.index(film.grid.points) + 1 :]
     finer = finer or GRID_POINT_COUNTS[-2:-1]
-    oscillations = _oscillations(film, slow=slow, scale=scale)
+    exponents = film.free_motion_exponents(slow=slow, scale=scale)
+    oscillations = _oscillations(exponents)
     if not oscillations.size:
         film, _ = averaged_film_on_grid(settled, finer[0])
         near = _nearby_stiffnesses(film, scene, lag, slow=slow, slow_error=slow_error, scale=scale)
-        if any(_oscillations(film, slow=k, scale=gas).size for k, gas in near):
+        if any(
+            _oscillations(film.free_motion_exponents(slow=k, scale=gas)).size for k, gas in near
+        ):
             return _unknown_resonance(NEARLY_CRITICAL_REASON)
         return Resonance(reason=OVERDAMPED_STATUS)
     motion = {"slow": slow, "scale": scale, "lag": lag}
@@ -127,6 +132,10 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
         damping_ratio_error=moved / abs(root),
     )
     if round_up_error(known.frequency_error_hz) < known.frequency_hz:
+        slowest = exponents.real.max()
+        if root.real / 2 < slowest < 0:
+            rate_per_s = -slowest * scene.actuator.angular_frequency_rad_per_s
+            return known._replace(reason=CREEP_NOTE.format(1e3 / rate_per_s))
         return known
     if known.damping_ratio_error >= max(known.damping_ratio, 1 - known.damping_ratio):
         # An oscillation has a damping ratio from 0 to 1: nothing is known of it.
@@ -134,9 +143,8 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
     return known._replace(reason="resonance not known: its error is as large as its value")
 
 
-def _oscillations(film: PeriodAveragedFilm, *, slow: float, scale: float) -> np.ndarray:
+def _oscillations(exponents: np.ndarray) -> np.ndarray:
     """The exponents of free motion that oscillate, without the gas' inertia; none if overdamped."""
-    exponents = film.free_motion_exponents(slow=slow, scale=scale)
     return exponents[exponents.imag > MIN_IMAGINARY_FRACTION * abs(exponents)]
 
 

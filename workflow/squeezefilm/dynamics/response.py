@@ -39,6 +39,13 @@ GAIN_AVERAGING_ERROR_FACTOR = 2.0
 GAIN_LAYER_LAG_ERROR_FACTOR = 1.5
 # Modulations are slow up to this share of the vibration's frequency.
 MAX_MODULATION_FREQUENCY_RATIO = 0.1
+# Error of the fractions by the edge's layer, which a start or stop forms in a period, per thickness
+# of the layer: 1.4 times what the worst of 24 discs needed, marched from four phases (ε 0.1–0.8,
+# σ 200–3000).
+FRACTION_LAYER_ERROR_FACTOR = 0.1
+# By its phase a start or stop moves up to ε |s|/σ of gas along the edge, as settling does in the
+# time 4/(3 ε |s|), in units of 1/ω.
+PHASE_SETTLING_TIME = 4 / 3
 # What is left of the way when a film counts as settled.
 SETTLED_FRACTION = 0.05
 STEP_RESPONSE_TIME_COUNT = 240
@@ -60,25 +67,31 @@ class ForceResponse(NamedTuple):
 
     Attributes:
         static_gain: for a modulation of no frequency.
-        instantaneous_gain: for one too fast for the gas to leave.
-        corner_hz: where what lies between them has fallen by 3 dB.
-        instantaneous_fraction: of the settled force, that is there when the surface starts.
+        instantaneous_gain: for one too fast for the gas to leave; its error is that of the gain at
+            the corner.
+        corner_hz: where what lies between them has fallen by 3 dB, as f⁻¹ᐟ² does: its relative
+            error is twice that of the gain there.
+        instantaneous_fraction: of the settled force, that is there when the surface starts, in the
+            mean over the phases in which it may start.
         settling_start_s: until the force stays within 5 % of the settled one; its error and that of
-            ``settling_stop_s`` are the phase in which the vibration starts or stops, two periods.
-        lasting_fraction: of the settled force, that is left when the surface stops.
+            ``settling_stop_s`` contain the phase in which the vibration starts or stops.
+        lasting_fraction: of the settled force, that is left when the surface stops, in the mean
+            over the phases.
         settling_stop_s: until 5 % of the settled force is left.
-        error: relative, of the static gain, which is that of the settled force. Corner, fractions
-            and instantaneous gain are those of the period-averaged equation; times are accurate to
-            two periods at best.
+        error: relative, of the static gain, which is that of the settled force.
     """
 
     static_gain: float
     instantaneous_gain: float
+    instantaneous_gain_error: float
     corner_hz: float
+    corner_error_hz: float
     instantaneous_fraction: float
+    instantaneous_fraction_error: float
     settling_start_s: float
     settling_start_error_s: float
     lasting_fraction: float
+    lasting_fraction_error: float
     settling_stop_s: float
     settling_stop_error_s: float
     error: float
@@ -97,13 +110,6 @@ def modulation_gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
     """
     film, error = _accurate_averaged_film(scene)
     modulations = np.asarray(frequency_hz, dtype=float) / scene.actuator.frequency_hz
-    averaging = GAIN_AVERAGING_ERROR_FACTOR * modulations**2
-    averaging += (
-        GAIN_LAYER_LAG_ERROR_FACTOR
-        * modulations
-        * film.layer_thickness
-        * film.grid.edge_mean_square_ratio
-    )
     slow = (modulations > 0) & (modulations <= MAX_MODULATION_FREQUENCY_RATIO)
     gain = np.full(len(modulations), complex(nan, nan))
     gain[slow] = film.force_gain(modulations[slow])
@@ -117,10 +123,17 @@ def modulation_gains(scene: Scene, frequency_hz: np.ndarray) -> pd.DataFrame:
             "frequency_hz": frequency_hz,
             "gain": np.abs(gain),
             "phase_deg": np.degrees(np.angle(gain)),
-            "error": np.where(slow, error + averaging, nan),
+            "error": np.where(slow, error + gain_averaging_error(film, modulations), nan),
             "status": np.where(slow, "ok", fast),
         }
     )
+
+
+def gain_averaging_error(film: PeriodAveragedFilm, modulation: Any) -> Any:
+    """Relative error of a gain, beside that of the settled force, at modulations in units of ω."""
+    lag = film.layer_thickness * film.grid.edge_mean_square_ratio
+    by_layer = GAIN_LAYER_LAG_ERROR_FACTOR * modulation * lag
+    return by_layer + GAIN_AVERAGING_ERROR_FACTOR * modulation**2
 
 
 def start_and_stop_forces(scene: Scene) -> pd.DataFrame:
@@ -171,22 +184,46 @@ def _response_on_grid(scene: Scene, points: int) -> ForceResponse:
     settled = film.mean_gauge_pressure(
         film.density(film.steady_flow_potential(film.epsilon)), film.epsilon
     )
-    two_periods_s = 2 / scene.actuator.frequency_hz
+    corner = corner_frequency_ratio(film, static, prompt)
+    corner_hz = corner * scene.actuator.frequency_hz
+    gain_error = error + gain_averaging_error(film, corner)
+    fractions = rising[0] / settled, falling[0] / settled
+    by_layer = FRACTION_LAYER_ERROR_FACTOR * film.layer_thickness
+    start = _settling_time(time, np.abs(rising / settled - 1))
+    stop = _settling_time(time, np.abs(falling / settled))
     return ForceResponse(
         static_gain=float(static),
         instantaneous_gain=float(prompt),
-        corner_hz=_corner_frequency_ratio(film, static, prompt) * scene.actuator.frequency_hz,
-        instantaneous_fraction=float(rising[0] / settled),
-        settling_start_s=_settling_time(time, np.abs(rising / settled - 1)) / rate,
-        settling_start_error_s=two_periods_s,
-        lasting_fraction=float(falling[0] / settled),
-        settling_stop_s=_settling_time(time, np.abs(falling / settled)) / rate,
-        settling_stop_error_s=two_periods_s,
+        instantaneous_gain_error=float(prompt) * gain_error,
+        corner_hz=corner_hz,
+        corner_error_hz=2 * gain_error * corner_hz,
+        instantaneous_fraction=float(fractions[0]),
+        instantaneous_fraction_error=float(error * fractions[0] + by_layer),
+        settling_start_s=start / rate,
+        settling_start_error_s=settling_error(film, start) / rate,
+        lasting_fraction=float(fractions[1]),
+        lasting_fraction_error=float(error * fractions[1] + by_layer),
+        settling_stop_s=stop / rate,
+        settling_stop_error_s=settling_error(film, stop) / rate,
         error=error,
     )
 
 
-def _corner_frequency_ratio(film: PeriodAveragedFilm, static: float, prompt: float) -> float:
+def settling_error(film: PeriodAveragedFilm, settling: float) -> float:
+    """Error of a settling time by the phase of the start or stop, both in units of 1/ω.
+
+    Gas that the phase moved falls off as the slowest part of the rest does: it moves that part's
+    end, at most to the beginning, and two periods are never resolved.
+    """
+    grid = film.grid
+    edge, weights = np.abs(grid.edge_s), grid.edge_weights
+    slowest = film.sigma / grid.slowest_decay_rate
+    moved = PHASE_SETTLING_TIME * (weights @ edge) / (film.epsilon * weights @ edge**2) / slowest
+    earlier = settling if moved >= 1 else min(settling, -slowest * np.log1p(-moved))
+    return float(max(earlier, slowest * np.log1p(moved))) + 4 * np.pi
+
+
+def corner_frequency_ratio(film: PeriodAveragedFilm, static: float, prompt: float) -> float:
     """Modulation, in units of ω, at which |gain − prompt| has fallen by 3 dB."""
     from scipy.optimize import brentq  # slow to import, and only needed here
 
@@ -249,8 +286,7 @@ def neglected_changes_percent(
 
     Of the gain of slow modulation with each of NEGLECTED_GAS_TERMS, NaN where a force is not found.
     Of SLIP_CHANGE_COLUMNS with first-order slip, from the slow equation with and without it on the
-    coarsest
-    grid: 0 where the scene has slip, NaN above the Knudsen numbers that it is meant for.
+    coarsest grid: 0 where the scene has slip, NaN above the Knudsen numbers that it is meant for.
     """
     choices: list[dict[str, Any]] = [{}, *({name: "included"} for name in NEGLECTED_GAS_TERMS)]
     with_choices = [scene.viscous().with_gas(**choice) for scene in scenes for choice in choices]

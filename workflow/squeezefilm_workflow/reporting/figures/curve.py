@@ -1,4 +1,4 @@
-"""Pictures of tables that commands write: forces, gaps under loads, amplitudes for a force.
+"""Pictures of tables that commands write: forces, gaps, amplitudes, responses.
 
 Results over the factor with most values, a line for each combination of the others; or a map where
 the pad moves along both axes.
@@ -34,6 +34,7 @@ class DrawnResult:
         modelling_error_columns: columns of the lower and the upper bound of its modelling error.
         lower_panel_columns: columns that are drawn in panels below, where the table has values of
             them.
+        error_kind: what the bars are.
     """
 
     result_column: str
@@ -41,8 +42,10 @@ class DrawnResult:
     factor_columns: tuple[str, ...]
     modelling_error_columns: tuple[str, ...] = ()
     lower_panel_columns: tuple[str, ...] = ()
+    error_kind: str = "numerical error"
 
 
+AVERAGING_ERROR = "error of averaging, without neglected effects"
 POSITION_COLUMNS = (*CARTESIAN_COLUMNS, *POLAR_COLUMNS)
 DRAWN_RESULT_OF_COLUMN = {
     "load_n": DrawnResult(
@@ -58,8 +61,22 @@ DRAWN_RESULT_OF_COLUMN = {
         ("force_error_n", "measurement_noise_n", "misfit_n", "quadrature_n", "error_95_n"),
         ("h0_m", "hv_m"),
     ),
+    "corner_hz": DrawnResult(
+        "corner_hz",
+        ("corner_error_hz",),
+        ("h0_m", "hv_m"),
+        lower_panel_columns=("settling_start_s", "instantaneous_fraction"),
+        error_kind=AVERAGING_ERROR,
+    ),
+    "gain": DrawnResult(
+        "gain",
+        ("gain_error",),
+        ("frequency_hz", "h0_m", "hv_m"),
+        lower_panel_columns=("phase_deg",),
+        error_kind=AVERAGING_ERROR,
+    ),
 }
-"""What is drawn of a table that has a column: of levitations, amplitudes, forces."""
+"""What is drawn of a table that has a column: of levitations, amplitudes, forces, responses."""
 
 
 def curve_figure(table: pd.DataFrame) -> Figure:
@@ -81,7 +98,13 @@ def curve_figure(table: pd.DataFrame) -> Figure:
             "of a scan `squeezefilm profile --table FILE` makes what `squeezefilm plot profile "
             "FILE` draws"
         )
+    if "gain" in table:
+        gain_error, phase_error_deg = table["error"] * table["gain"], np.degrees(table["error"])
+        table = table.assign(gain_error=gain_error, phase_error_deg=phase_error_deg)
     factors = [name for name in (*result.factor_columns, *POSITION_COLUMNS) if name in table]
+    pairs = table[[name for name in ("load_n", "mass_kg") if name in table]].drop_duplicates()
+    if "mass_kg" in pairs and len(pairs) > 1 and (pairs.nunique() == len(pairs)).all():
+        factors.remove("load_n")  # each mass is carried with its weight
     counts = {name: table[name].nunique() for name in factors}
     varied = [name for name in factors if counts[name] > 1]
     known = table[table[result.result_column].notna()]
@@ -117,7 +140,12 @@ def _factor_value_text(name: str, value: float) -> str:
 
 def _axis_label(name: str) -> str:
     column = COLUMNS[name]
-    return f"{column.title} ({column.shown_unit or column.unit})"
+    unit = _unit_text(column)
+    return f"{column.title} ({unit})" if unit else column.title
+
+
+def _unit_text(column: Column) -> str:
+    return (column.shown_unit or column.unit).removesuffix("1")
 
 
 def _draw_lines(
@@ -148,6 +176,8 @@ def _draw_lines(
         axes.grid(True)
     axes.set_xlabel(_axis_label(along))
     top = all_axes[0, 0]
+    if along == "frequency_hz":
+        top.set_xscale("log")
     colours = mpl.colormaps[style.SEQUENTIAL_COLOURMAP](np.linspace(0, 0.85, len(lines)))
     bounds = [name for name in result.modelling_error_columns if name in known]
     for (_, rows), colour, marker in zip(lines, colours, cycle(MARKERS)):
@@ -177,7 +207,7 @@ def _draw_lines(
         below = {"transform": top.get_xaxis_transform(), "clip_on": False}
         top.plot(missing, np.zeros(len(missing)), "x", color="0.3", **below)
     if others:
-        figure.legend(loc="outside upper center", ncols=3)
+        figure.legend(loc="outside upper center", ncols=max(1, 4 - len(others)))
     notes = [_error_bars_text(known, result)]
     if "resonance_hz" in panels:
         notes += ["Bars of the resonance: averaging, thermal effects and inertia."]
@@ -191,14 +221,15 @@ def _error_bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
     scanned = any(
         known[name].any() for name in result.error_columns if "noise" in name and name in known
     )
-    own = "numerical error and scan" if scanned else "numerical error"
+    own = f"{result.error_kind} and scan" if scanned else result.error_kind
     column = COLUMNS[result.result_column]
     kind = "prediction error (95 %)" if predicted else own
     return f"Bars: {kind}, at most {_largest_error_text(known, column)}."
 
 
 def _largest_error_text(known: pd.DataFrame, column: Column) -> str:
-    return f"{error_text(column.in_shown_unit(known['error'].max()))} {column.shown_unit}"
+    error = error_text(column.in_shown_unit(known["error"].max()))
+    return f"{error} {_unit_text(column)}".rstrip()
 
 
 def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> tuple[Figure, str]:

@@ -11,8 +11,10 @@ from matplotlib.ticker import MaxNLocator
 
 from squeezefilm.columns import COLUMNS
 from squeezefilm.film.positions import find_position_columns
+from squeezefilm.film.validity import OK
 from squeezefilm.formatting import column_label
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS
+from squeezefilm.units import error_text
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import (
     bound_percent_text,
@@ -59,11 +61,24 @@ def error_budget(results: Results) -> Figure:
         )
         axes.title.set_fontsize(6)
     shown = _draw_effects(last, along)
-    first = "Differences of solved forces; total: middle of the interval, band: the interval."
+    lower, upper = screen[MODELLING_ERROR_COLUMNS].to_numpy().T
+    off, half = _errors_text(screen["edge_flow_error_percent"]), _errors_text((upper - lower) / 2)
+    first = f"Differences of solved forces; (d): C = 1; (e): {off}. Total: middle of the interval, "
+    first += f"(f): {half}, band: the interval."
     place = f"h0 = {along['h0_um'].iloc[0]:.3g} µm, hv = {along['hv_um'].iloc[0]:.3g} µm"
     notes = f"{first} {parts.interpolation_note(screen)}", f"(g): {place}; {shown}"
     style.add_note(figure, *notes, results.validity_note)
     return figure
+
+
+def _errors_text(errors: Any) -> str:
+    """Return the least and the largest of the films' errors, in % of the force."""
+    known = np.asarray(errors, dtype=float)
+    known = known[np.isfinite(known)]
+    if not known.size:
+        return "error not known"
+    ends = dict.fromkeys((error_text(known.min()), error_text(known.max())))
+    return f"± {' to '.join(ends)} %"
 
 
 def _panel_title(included_effects: pd.Series, name: str) -> str:
@@ -77,7 +92,7 @@ def _panel_title(included_effects: pd.Series, name: str) -> str:
 
 def _budgets_of_plan(results: Results, plan: str) -> pd.DataFrame:
     effects = (f"{name}_percent" for name in COLOUR_OF_EFFECT if name != "total")
-    table = results.budget(plan, *effects)
+    table = results.budget(plan, *effects, "edge_flow_error_percent")
     lengths = [name for name in find_position_columns(table) if name.endswith("_m")]
     return parts.with_micrometre_columns(table).assign(
         **{f"{name[:-1]}mm": parts.metres_to_micrometres(table[name]) / 1e3 for name in lengths},
@@ -149,7 +164,10 @@ def _draw_effects(axes: Axes, rows: pd.DataFrame) -> str:
 
 def response(results: Results) -> Figure:
     """Two maps of gap and amplitude above lines over the frequency of modulation."""
-    table = results.table("simulations/screen/response.csv", "h0_m", "hv_m", "corner_hz")
+    errors = ("corner_error_hz", "instantaneous_fraction_error")
+    file = "simulations/screen/response.csv"
+    table = results.table(file, "h0_m", "hv_m", "corner_hz", *errors)
+    table.loc[table["corner_error_hz"] >= table["corner_hz"], "corner_hz"] = np.nan
     table["instantaneous_percent"] = 100 * table["instantaneous_fraction"]
     maps = parts.with_micrometre_columns(table)
     columns = ("h0_m", "hv_m", "frequency_hz", "gain", "phase_deg", "error")
@@ -164,14 +182,29 @@ def response(results: Results) -> Figure:
     gain.set_ylabel("relative force change over\nrelative amplitude change (–)")
     _draw_lines(phase, lines, "phase_deg", "(d) phase")
     phase.set_ylabel("phase of the force (°)")
-    unknown = maps.loc[maps["corner_hz"].isna(), "status"].str.removeprefix("not supported: ")
+    unknown = maps.loc[maps["status"] != OK, "status"].str.removeprefix("not supported: ")
     notes = [f"(a, b): {parts.interpolation_note(maps)}"]
+    corner_errors = (maps["corner_error_hz"] / maps["corner_hz"]).dropna()
+    if len(corner_errors):
+        fraction_error = maps["instantaneous_fraction_error"].max()
+        notes[0] += (
+            f" Error of (a) up to {bound_percent_text(corner_errors.max())}, of (b) up to "
+            f"{bound_percent_text(fraction_error)} of the settled force."
+        )
     if len(lines):
-        notes[0] += f" (c, d): hv = {lines['hv_um'].iloc[0]:.3g} µm; negative: the force lags."
+        notes.append(
+            f"(c, d): hv = {lines['hv_um'].iloc[0]:.3g} µm; relative error up to "
+            f"{bound_percent_text(lines['error'].max())}; negative: the force lags."
+        )
     if len(unknown):
         reason = unknown.iloc[0].split(" (")[0]
         notes.append(f"Not available for {len(unknown)} of {len(maps)} films: {reason}.")
-    style.add_note(figure, *notes, results.validity_note)
+    if len(outside := maps[maps["validity"] != OK]):
+        notes.append(
+            f"{len(outside)} of {len(maps)} films are outside the limits of validity: "
+            f"{outside['validity'].iloc[0]}."
+        )
+    style.add_note(figure, *notes)
     return figure
 
 
