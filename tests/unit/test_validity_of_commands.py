@@ -29,7 +29,7 @@ def test_a_budget_and_a_curve_are_had_by_options(edited, tmp_path, capsys, refus
     curve, picture = str(tmp_path / "curve.csv"), str(tmp_path / "curve.svg")
     simulated = ["simulate", "--hv", "1um", *where, "--output", curve]
     assert main(simulated) == 0
-    assert "1 lines over 1 points" in refused("plot", curve, "--output", picture)
+    assert "points along h0_m: 1, lines: 1" in refused("plot", curve, "--output", picture)
     assert main([*simulated, "--x", "0mm,1mm,2mm"]) == 0
     assert main(["plot", curve, "--output", picture]) == 0
     assert "position $x$ (mm)" in (tmp_path / "curve.svg").read_text(encoding="utf-8")

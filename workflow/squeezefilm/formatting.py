@@ -329,7 +329,7 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     total = f"{size_text}{interval_text(*ends)} % of the {'force' if unit == 'N' else 'load'}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE_TEXT + f": {status}" * (status != "ok")
-        if reason := " and ".join(column_label(name) for name in unknown if name):
+        if reason := ", ".join(column_label(name) for name in unknown if name):
             total += f": {reason} not known"
     lines = [("modelling error", total)]
     if status != "ok":
@@ -337,7 +337,8 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
         text = effect_change_text(effect, *[edge] * (name == "edge_loss"))
         if name in EFFECTS_WITH_ESTIMATED_ERROR:
-            text += f" ± {percent_text(round_up_error(error), sign='')}"
+            bound = percent_text(round_up_error(error), sign="")
+            text += f" ± {bound}" if isfinite(error) else ", error not known"
             if abs(effect) < MIN_EFFECT_OVER_ERROR * error:
                 bound = percent_text(round_up_error(abs(effect) + error), sign="")
                 text = f"within ± {bound}"

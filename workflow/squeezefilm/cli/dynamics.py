@@ -35,7 +35,7 @@ from squeezefilm.dynamics.response import gain_table, response_table, start_and_
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.film.validity import OK, validity_text
-from squeezefilm.formatting import scene_row, value_text
+from squeezefilm.formatting import NOT_AVAILABLE_TEXT, interval_text, scene_row, value_text
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import print_step
 from squeezefilm.tables import read_scenes, write_table
@@ -52,7 +52,7 @@ from squeezefilm.units import parse_quantities
     factor_options("h0"),
 )
 def levitate(options: argparse.Namespace) -> None:
-    """The gap at which the film carries a load, its stiffness, and whether it is stable.
+    """The gap at which the film carries a load, its stiffness, resonance and damping.
 
       squeezefilm levitate --load 0.5N --hv 1.5um [--mass 50g]
       squeezefilm levitate --mass 10:50:5g --hv 1.5um
@@ -69,8 +69,9 @@ def levitate(options: argparse.Namespace) -> None:
     modelling error is unknown: do not use the gap without a measurement.
 
     `stiffness_n_per_m` is −∂F/∂h0 for slow motion at constant amplitude; its error does not contain
-    the noise of the scan. `stable` refers to vertical motion only. The errors of stiffness,
-    resonance and damping ratio do not contain the modelling error.
+    the noise of the scan. `stable` means that the force falls as the gap grows; oscillations may
+    still grow. The errors of stiffness, resonance and damping ratio do not contain the modelling
+    error.
 
     `other_gaps_m` are approximate smaller gaps that carry the same load. Without --load the load is
     the weight of each mass. With a mass, `resonance_hz` = |Im λ|/2π and `damping_ratio` = −Re λ/|λ|
@@ -115,12 +116,16 @@ def levitate(options: argparse.Namespace) -> None:
 
 
 def _levitation_text(row: dict[str, Any]) -> str:
-    """A row in a line, told as soon as it is known."""
-    at = [f"load {value_text(row['load_n'], 'N')}", f"hv {value_text(row['hv_m'], 'm')}"]
+    """Return a row as a line: load, amplitude and position, then the gap with both its errors."""
+    at = [f"mass {1e3 * row['mass_kg']:.6g} g"] if "mass_kg" in row else []
+    at += [f"load {value_text(row['load_n'], 'N')}", f"hv {value_text(row['hv_m'], 'm')}"]
     at += [f"{name[0]} {value_text(row[name], 'm')}" for name in CARTESIAN_COLUMNS if row[name]]
     if row["status"] != OK:
         return f"{', '.join(at)}: {row['status']}"
-    return f"{', '.join(at)}: gap {value_text(row['h0_m'], 'm', error=row['h0_error_m'])}"
+    gap = value_text(row["h0_m"], "m", error=row["h0_error_m"])
+    ends = [1e6 * row[f"h0_modelling_error_{end}_m"] for end in ("lower", "upper")]
+    modelling = f"{interval_text(*ends)} µm" if np.isfinite(ends).all() else NOT_AVAILABLE_TEXT
+    return f"{', '.join(at)}: gap {gap}, modelling error {modelling}"
 
 
 @command(

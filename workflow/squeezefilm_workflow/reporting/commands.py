@@ -51,8 +51,8 @@ def plot(options: argparse.Namespace) -> None:
       squeezefilm plot curve.csv --output curve.png
       squeezefilm plot profile PROFILE.csv --output profile.png
 
-    Drawn are forces, by `simulate` or `predict`, gaps by `levitate` and amplitudes by
-    `amplitude-for`: over the factor with most values, or as a map over x and y. The format follows
+    Drawn are forces by `simulate` or `predict`, gaps by `levitate`, amplitudes by `amplitude-for`,
+    and the tables of `response`, but for `--steps`: over the factor with most values, or as a map over x and y. The format follows
     the name: .png, .svg or .pdf; .csv is the table that a numbered figure of the paper draws. The
     same results give the same file, byte for byte.
     """
@@ -194,7 +194,7 @@ def check(options: argparse.Namespace) -> int:
     Compared are all columns of the tables of simulations, modelling errors, response, levitation,
     validation, figures and the paper, but for grids and iterations; claims, fits, designs,
     pictures and the verdicts on stiff films: each as closely as the study's tolerance allows. Of
-    long tables, 25 rows and least, mean and largest value of a column are. Shown are each
+    long tables, 100 rows and least, mean and largest value of a column are. Shown are each
     part's worst quantity and every quantity that failed; all of them are in the table.
     The exit status is 1 when anything failed.
     """
