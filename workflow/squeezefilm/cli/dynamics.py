@@ -144,13 +144,13 @@ def _levitation_text(row: dict[str, Any]) -> str:
         default=DEFAULT_FREQUENCIES_TEXT,
     ),
     *FILM_OPTIONS,
-    factor_options(many=False),
+    factor_options(),
 )
 def response(options: argparse.Namespace) -> None:
     """Response of the mean force to a changing amplitude: gain, phase and settling times.
 
       squeezefilm response --h0 5um --hv 2.2um [--frequencies 10Hz,100Hz,300Hz]
-      squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]
+      squeezefilm response --h0 5:10:6um --hv 1um,2um --output RESPONSE.csv [--gains GAINS.csv]
       squeezefilm response SCENES.csv --config CONFIG.yaml --steps STEPS.csv
 
     The gain is the relative change of the force per relative change of the amplitude: 2 or a
@@ -173,15 +173,14 @@ def response(options: argparse.Namespace) -> None:
     The exit status is 1 for a single scene outside them, and where a scene has no response.
     """
     film = film_of_options(options)
-    points, alone = points_unless_scenes_table(options), options.scenes is None
+    points = points_unless_scenes_table(options)
     frequency_hz = np.array(
         parse_quantities(options.frequencies, option="--frequencies", unit="Hz")
     )
-    table = pd.DataFrame(points) if alone else read_scenes(options.scenes)
-    if alone and len(table) > 1:
-        raise InputError("give a table of scenes, or one scene by --h0 and --hv")
+    table = read_scenes(options.scenes) if options.scenes else pd.DataFrame(points)
+    alone = not options.scenes and len(table) == 1
     if not alone and options.output is options.gains is options.steps is None:
-        raise InputError("a table of scenes needs --output, --gains or --steps")
+        raise InputError("several scenes need --output, --gains or --steps")
     with prefix_errors(options.scenes):
         scenes = film.scenes(table)
     if alone or options.gains is not None:
