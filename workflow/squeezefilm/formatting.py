@@ -212,6 +212,8 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
         bound = value_text(round_up_error(value + max(errors)), unit)
         return f"below about {bound} (error as large as the value)"
     text = value_text(value, unit, error=max(errors, default=None))
+    if column_label(stem).startswith("change of") and text[0].isdigit():
+        text = f"+{text}"
     if "±" not in text:
         return text
     if len(errors) > 1:
