@@ -1090,6 +1090,16 @@ def test_of_several_references_one_is_asked_for(tmp_path):
         read_scan(path, frequency_hz=FREQUENCY_HZ, rows="reference = 2")
 
 
+def test_a_hammer_that_roves_over_the_points_measures_their_shape(tmp_path):
+    """One accelerometer, at node 1, and a reference for each node: the same by reciprocity."""
+    path = universal(tmp_path / "scan.unv", rsp_node=1, rsp_dir=-3)
+    first, *others = path.read_text().split("p         1   3")
+    roving = [f"p{node:10d}   3{rest}" for node, rest in enumerate(others, start=1)]
+    scan = read_scan(write(path, "".join([first, *roving])), frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert scan.notes[0] == "one response: a shape over the references, by reciprocity"
+
+
 def test_only_what_is_needed_of_a_universal_file_is_read(tmp_path):
     """A coherence beside each response, and a set that no reader understands, were errors."""
     path = universal(tmp_path / "scan.unv")
