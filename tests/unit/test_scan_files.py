@@ -607,6 +607,11 @@ def test_too_few_points_are_named_with_what_else_there_is(tmp_path):
     ("content", "message"),
     [
         ("$MeshFormat\n2.2 0 8\n", "x_mm, y_mm, uz_mm"),
+        (" x-axis,1,2\nsecond,Volt,Volt\n0,1,2\n", "a time series of an oscilloscope"),
+        ("X,CH1,Start,Increment,\nSequence,Volt,0,1e-6\n0,1,,\n", "a time series of an osc"),
+        ("Time,Channel A\n(us),(V)\n\n0,1\n", "a time series of an oscilloscope"),
+        ("LECROYWS3054,12345,Waveform\nTime,Ampl\n0,1\n", "a time series of an oscilloscope"),
+        ("TIME,CH1\n0,1\n1,2\n", r"scan.csv: line 1: a time series \('TIME'\) is no shape"),
         ("Zygo XYZ Data File - Format 1\n0 0 1.2\n", "as a table: x_mm, y_mm, amplitude_um"),
         (
             "aBCR-1.0\nManufacID = X\nNumPoints = 9\n*\n1 2\n",

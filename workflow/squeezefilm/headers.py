@@ -16,7 +16,6 @@ UNIT_OF_NAME = {
         "g": "gs",
         "m": "meter meters metre metres 米",
         "mm": "millimeter millimeters millimetre millimetres 毫米",
-        "s": "sec second seconds sekunde sekunden seconde secondes 秒",
         "in": "inch inches",
         "mil": "mils",
         "in/s": "ips",

@@ -212,8 +212,6 @@ def scan_column_of_cell(name: str, column_index: int = 0) -> ScanColumn | None:
     for words, unit in possible_words_and_units(cell, ALL_UNITS):
         words, ratio = _split_amplitude_factor(words)
         quantity = quantity_of_words(words)
-        if quantity in COORDINATE_UNITS and unit == "s":  # an oscilloscope's axis
-            quantity = "time"
         if {*words} - IGNORED_WORDS == {"z"} and OMEGA_POWER_OF_UNIT.get(unit):
             quantity = "normal"
         if quantity is None:
