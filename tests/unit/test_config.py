@@ -94,6 +94,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
         "  surface: {shape: disc, length_x: 4 cm, length_y: 4 cm}",
         "'disc' is not `rectangle`; its outline; a disc has `actuator.surface_radius` in place of",
     ),
+    ("length_x: 10 mm", "length: 10 mm", "unknown key 'length'; did you mean 'length_x'?"),
     ("  length_x: ", "  contour: 1\n  length_x: ", "pad: unknown key 'contour'"),
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
     ("inertia: none", "inertia: on", "'on' is none of `none`, `included`, `auto`\n"),

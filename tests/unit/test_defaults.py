@@ -110,6 +110,8 @@ def test_what_is_written_goes_before_what_follows():
         ("0.5 rad", "°", 28.6478897565412),
         ("15 kHz", "m", None),
         ("15", "m", 15.0),
+        ("500 mbar", "Pa", 5e4),
+        ("20 mg", "kg", 2e-5),
         ("1e999 mm", "m", None),
     ],
 )
@@ -208,6 +210,13 @@ def test_a_film_alone_is_shown_and_read_and_is_no_study(tmp_path, capsys):
     assert sf.Film.read(path).config.pad.length_y_m == 0.016
     with pytest.raises(InputError, match=r"`sf\.Film\.read` take it"):
         sf.load(path)
+
+
+def test_a_film_alone_whose_pad_does_not_fit_is_invalid(tmp_path, refused):
+    """It was shown as if it could be simulated."""
+    film = SHORT.partition("screen:")[0].replace("12 mm", "80 mm")
+    (path := tmp_path / "film.yaml").write_text(film, encoding="utf-8")
+    assert f"{path}: pad: it reaches" in refused("config", path)
 
 
 def test_the_origin_of_a_scan_is_a_place_in_its_file(tmp_path):

@@ -8,6 +8,7 @@ import pytest
 import yaml
 from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_FACTOR
 
+from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
 from squeezefilm.models.data import Factors, factors_of_table
@@ -15,6 +16,7 @@ from squeezefilm.models.fit_file import amplitude_for_force
 from squeezefilm.models.force_model import check_columns_known, get_model, make_model
 from squeezefilm.studies.tasks.fits import asymptotic_forces_of_table
 from squeezefilm.studies.tasks.physics_limits import with_limit_forces
+from squeezefilm.tables import read_json, write_json
 
 THETA = {TWO_FACTOR: np.array(SCREEN_THETA), FOUR_FACTOR: np.array(FOUR_FACTOR_THETA)}
 MODELS = pytest.mark.parametrize("model", [TWO_FACTOR, FOUR_FACTOR], ids=lambda m: m.name)
@@ -81,3 +83,17 @@ def test_a_model_that_cannot_be_used_has_the_status_of_the_asymptotic_force(edit
     ):
         with pytest.raises(InputError, match="row 1: the composite expansion is derived for rect"):
             check_columns_known(model, factors)
+
+
+def test_a_candidate_that_cannot_be_fitted_has_that_status_too(edited, script, tmp_path):
+    """The page of models had "does not hold there" for every pad that is no rectangle."""
+    study, forces = edited(pad={"shape": "ellipse"}), tmp_path / "forces.csv"
+    points = ["--h0=5um,6um", "--hv=1um"]
+    assert main(["simulate", *points, f"--config={study}", f"--output={forces}"]) == 0
+    write_json({}, tmp_path / "table.json")
+    given = {"forces": forces, "sample": forces, "limit_table": tmp_path / "table.json", "scan": []}
+    written = {"fits": [tmp_path / "fit.json"], "limits": [tmp_path / "a.csv", tmp_path / "b.csv"]}
+    params = {"models": ["limit_2"], "seeds": 1}
+    script("fit", study, input=given, output=written, params=params)
+    reason = read_json(tmp_path / "fit.json")["not_supported"]
+    assert "row 1: the composite expansion is derived for rectangular pads" in reason

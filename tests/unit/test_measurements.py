@@ -11,6 +11,7 @@ from squeezefilm.api.measurements import (
     with_residuals,
 )
 from squeezefilm.config.loading import load_config
+from squeezefilm.tables import read_measurements
 
 # Forces, bounds of the modelling error, χ² by itself and beyond the bounds, the verdict.
 WORTH = [
@@ -25,6 +26,7 @@ WORTH = [
     ([13, 12, 10, 1], [1, 2, None, 0], 13, None, "the modelling error is not known at 1 of them"),
     ([7, 10, 15, 1], [2, 2, 1, 0], 34, 25, "and the known errors of the computed forces"),
 ]
+GERMAN = "Spalt h0 [µm];Amplitude [µm];Kraft F [mN];Unsicherheit Kraft [mN]\n5,0;1,0;9,5;2,0"
 HEAD, ROW = "h0 [µm],hv [µm],force [mN],force uncertainty [mN]", "\n5,1,10,1"
 WRONG = {
     "": "measured.csv: the table is empty; it needs h0 [µm], hv [µm], force [mN]",
@@ -49,6 +51,14 @@ def test_chi_square_is_that_found_by_hand(measured, upper, squares, beyond, wort
     got = chi_square_summary(with_residuals(table))
     assert [got["chi_square"], got["chi_square_unexplained"]] == pytest.approx([squares, beyond])
     assert worth in got["verdict"]
+
+
+def test_measured_forces_of_a_spreadsheet_in_german_are_read(tmp_path):
+    path = tmp_path / "measured.csv"
+    path.write_bytes(f"Prüfstand 2\n\n{GERMAN}".encode("cp1252"))
+    row = read_measurements(path).iloc[0]
+    names = ["point_id", "h0_m", "hv_m", "force_n", "force_uncertainty_n"]
+    assert row[names].tolist() == ["line 4", 5e-6, 1e-6, 0.0095, 0.002]
 
 
 @pytest.mark.parametrize("text", WRONG)

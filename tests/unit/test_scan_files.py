@@ -607,6 +607,11 @@ def test_too_few_points_are_named_with_what_else_there_is(tmp_path):
     ("content", "message"),
     [
         ("$MeshFormat\n2.2 0 8\n", "x_mm, y_mm, uz_mm"),
+        (" x-axis,1,2\nsecond,Volt,Volt\n0,1,2\n", "a time series of an oscilloscope"),
+        ("X,CH1,Start,Increment,\nSequence,Volt,0,1e-6\n0,1,,\n", "a time series of an osc"),
+        ("Time,Channel A\n(us),(V)\n\n0,1\n", "a time series of an oscilloscope"),
+        ("LECROYWS3054,12345,Waveform\nTime,Ampl\n0,1\n", "a time series of an oscilloscope"),
+        ("TIME,CH1\n0,1\n1,2\n", r"scan.csv: line 1: a time series \('TIME'\) is no shape"),
         ("Zygo XYZ Data File - Format 1\n0 0 1.2\n", "as a table: x_mm, y_mm, amplitude_um"),
         (
             "aBCR-1.0\nManufacID = X\nNumPoints = 9\n*\n1 2\n",
@@ -1088,6 +1093,16 @@ def test_of_several_references_one_is_asked_for(tmp_path):
         same(read_scan(path, frequency_hz=FREQUENCY_HZ, rows=rows), digits=1e-4)
     with pytest.raises(InputError, match=r"'2' is not one of them: its references are 1\+Z"):
         read_scan(path, frequency_hz=FREQUENCY_HZ, rows="reference = 2")
+
+
+def test_a_hammer_that_roves_over_the_points_measures_their_shape(tmp_path):
+    """One accelerometer, at node 1, and a reference for each node: the same by reciprocity."""
+    path = universal(tmp_path / "scan.unv", rsp_node=1, rsp_dir=-3)
+    first, *others = path.read_text().split("p         1   3")
+    roving = [f"p{node:10d}   3{rest}" for node, rest in enumerate(others, start=1)]
+    scan = read_scan(write(path, "".join([first, *roving])), frequency_hz=FREQUENCY_HZ)
+    same(scan, digits=1e-4)
+    assert scan.notes[0] == "one response: a shape over the references, by reciprocity"
 
 
 def test_only_what_is_needed_of_a_universal_file_is_read(tmp_path):

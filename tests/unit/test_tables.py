@@ -34,6 +34,9 @@ def scenes(tmp_path):
     return write
 
 
+GERMAN = "point_id;Spalt h0 [µm];Amplitude [µm];phi_r_m;phi_deg\n1;5,0;1,0;0,0;0,0\n"
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -56,12 +59,26 @@ def scenes(tmp_path):
         f"  {HEADER}  \n 1,5e-6, 1e-6 , 0, 0 \n".replace(",", "  "),
         f"{HEADER},,\n1,5e-6,1e-6,0,0,,\n",
         "point_id,h_0 [µm],vibration amplitude [µm],phi_r_m,phi_deg\n1,5,1,0,0\n",
+        GERMAN.encode("cp1252"),
+        f"% {HEADER}\n1 5e-6 1e-6 0 0\n".replace(",", " "),
+        f"{HEADER}\n1,5e-6,1e-6,0,0\n".replace("point_id", ""),
+        GERMAN.replace(";", "\t").encode("utf-16"),
+        "point_id,ギャップ(μm),振幅(μm),phi_r_m,phi_deg\n1,5,1,0,0\n".encode("cp932"),
+        "|point_id|h0_um|hv_um|phi_r_m|phi_deg|\n|--|--:|--:|--:|--:|\n| 1 | 5 | 1 | 0 | 0 |\n",
     ],
     ids=[
         *("byte order mark", "CRLF", "blank lines", "no last newline", "quotes", "spaces", "order"),
         *("semicolons and decimal commas", "tabs", "results"),
         *("comments", "a header that is a comment", "a line of units", "a title", "sep="),
         *("savetxt", "columns of text", "empty columns", "words of README"),
+        *(
+            "Excel in German",
+            "MATLAB's comment",
+            "an index of pandas",
+            "its Unicode text",
+            "in Japanese",
+            "Markdown",
+        ),
     ],
 )
 def test_what_does_not_matter_is_accepted(text, scenes):
@@ -116,17 +133,14 @@ WRONG = {
     "text in another unit": ("point_id,h0_um,hv_m\n1,5 um,1e-6\n", "line 2: h0_um is '5 um'"),
     "what begins as a column does": ("gap_um,amp_um\n5,1\n", "'amp_um' (did you mean 'hv_m', zero"),
     "several unknown columns": (
-        "Nr.;Spalt h0 (µm);Amplitude hv pk-pk (µm);x\n1;5;2;0\n",
-        "unknown column 'Nr.'; unknown column 'Spalt h0 (µm)' (did you mean 'h0_m'?); unknown "
+        "Nr.;Film h0 (µm);Amplitude hv pk-pk (µm);x\n1;5;2;0\n",
+        "unknown column 'Nr.'; unknown column 'Film h0 (µm)' (did you mean 'h0_m'?); unknown "
         "column 'Amplitude hv pk-pk (µm)' (did you mean 'hv_m', zero to peak?); column 'x' needs "
         "a unit, one of x_m",
     ),
     "infinity": (f"{HEADER}\n1,5e-6,1e-6,0,-inf\n", "line 2: phi_deg is '-inf'"),
     "a name twice": (f"{HEADER}\n{ROW}\n\n{ROW}\n", "line 4: point_id '1' stands in line 2"),
-    "other letters": (
-        f"{HEADER}\nü,5e-6,1e-6,0,0\n".encode("latin-1"),
-        "scenes.csv: line 2: the table must be text in UTF-8; save it in this encoding",
-    ),
+    "a spreadsheet": (b"PK\3\4", "scenes.csv: no table of text; save a spreadsheet as CSV"),
     "blanks within names and cells": ("h0 um hv um\n5 2\n", "2 cells where the header has 4"),
     "a binary file": (bytes(range(256)), "scenes.csv"),
 }

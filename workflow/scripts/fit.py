@@ -28,7 +28,10 @@ def main(snakemake: Job, config: Study) -> None:
         for (name, points), path in zip([*given.items()], candidates, strict=True):
             limits = asymptotic_forces_of_table(points, config)
             write_table(limits, path)
-            given[name] = points.assign(**limits[[*PHYSICS_COLUMN_OF_NAME.values()]])
+            known = [*PHYSICS_COLUMN_OF_NAME.values()]
+            # Every force here has the status `ok`: a missing limit has a reason to be named.
+            known += ["status"] if name == "forces" else []
+            given[name] = points.assign(**limits[known])
         given |= {"limit_table": read_json(files.limit_table)}
     uncertainty = profile_uncertainty_fraction(config, summary=files.scan)
     source = {"forces_sha256": file_digest(Path(files.forces))}

@@ -45,28 +45,35 @@ def atomic_file(path: Path | str) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
-def read_text(path: Path | str, *, what: str) -> str:
-    """Return the text of a file in UTF-8, without a byte order mark, its line ends as they are.
+def read_bytes(path: Path | str, *, what: str) -> bytes:
+    """Return the bytes of a file.
 
     Args:
         what: the file is, for messages: ``table``.
 
-    Raises InputError where there is no such file or it cannot be read, and naming the line where
-    it is not UTF-8.
+    Raises InputError where there is no such file or it cannot be read.
     """
     try:
-        content = Path(path).read_bytes()
-        return content.decode("utf-8-sig")
+        return Path(path).read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such {what}") from None
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        hint = " (CSV UTF-8 in a spreadsheet)" if Path(path).suffix == ".csv" else ""
-        raise InputError(
-            f"{path}: line {line}: the {what} must be text in UTF-8; save it in this encoding{hint}"
-        ) from None
     except OSError as error:
         raise InputError(f"{path}: the {what} cannot be read: {error.strerror}") from None
+
+
+def read_text(path: Path | str, *, what: str) -> str:
+    """Return the text of a file in UTF-8, without a byte order mark, its line ends as they are.
+
+    Raises InputError as ``read_bytes`` does, and naming the line where it is not UTF-8.
+    """
+    content = read_bytes(path, what=what)
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise InputError(
+            f"{path}: line {line}: the {what} must be text in UTF-8; save it in this encoding"
+        ) from None
 
 
 def write_text(text: str, path: Path | str) -> None:

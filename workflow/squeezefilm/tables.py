@@ -30,7 +30,7 @@ from squeezefilm.errors import (
     prefix_errors,
     raise_row_problems,
 )
-from squeezefilm.files import atomic_file, read_text, write_text
+from squeezefilm.files import atomic_file, read_bytes, read_text, write_text
 from squeezefilm.film.positions import (
     CARTESIAN_COLUMNS,
     POLAR_COLUMNS,
@@ -72,7 +72,7 @@ MEASURED_COLUMNS_TEXT = (
 )
 POSITION_FORMS = f"{' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
 POSITION_FORMS_TEXT = f"a position is {POSITION_FORMS}"
-PARQUET_SUFFIX, COMMENT_SIGN, MAX_LINES_ABOVE_HEADER = ".parquet", "#", 20
+PARQUET_SUFFIX, COMMENT_SIGNS, MAX_LINES_ABOVE_HEADER = ".parquet", ("#", "%", "!"), 20
 CSV_SEPARATORS, BLANK_SEPARATOR = ",;\t", " "
 UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
 """Names of files that are expected to hold something else than text in columns."""
@@ -86,16 +86,24 @@ OPTIONAL_FORCE_COLUMNS = {*SOLUTION_COLUMNS} - {
 }
 """Columns of forces that a table may lack."""
 _WORDS_OF_COLUMN = {
-    "h0_m": ("h0", "h 0", "gap", "mean gap"),
-    "hv_m": ("hv", "h v", "amplitude", "vibration amplitude", "disp ampl"),
-    "x_m": ("x", "x position"),
-    "y_m": ("y", "y position"),
-    "phi_r_m": ("phi r",),
-    "phi_deg": ("phi",),
-    "force_n": ("force", "f"),
+    "h0_m": "h0;h 0;gap;mean gap;spalt;jeu;entrefer;holgura;traferro;spleet;ギャップ;间隙",
+    "hv_m": "hv;h v;amplitude;vibration amplitude;disp ampl;amplitud;ampiezza;振幅;振動振幅",
+    "x_m": "x;x position;position x;x座標",
+    "y_m": "y;y position;position y;y座標",
+    "phi_r_m": "phi r",
+    "phi_deg": "phi",
+    "force_n": "force;f;kraft;fuerza;forza;forca;kracht;力",
 }
-COLUMN_OF_WORDS = {words: name for name, several in _WORDS_OF_COLUMN.items() for words in several}
-"""What people call columns, each also with the word uncertainty, and units beside it."""
+COLUMN_OF_WORDS = {
+    fold_accents(words): name
+    for name, several in _WORDS_OF_COLUMN.items()
+    for words in several.split(";")
+}
+"""What people call columns, each also with a word of uncertainty, and units beside it."""
+UNCERTAINTY_WORDS = {
+    *("uncertainty", "unsicherheit", "messunsicherheit", "incertitude", "incertidumbre"),
+    *("incertezza", "incerteza", "onzekerheid", "不確かさ", "不确定度"),
+}
 UNIT_SIZES_OF_BASE_UNIT = {
     unit.lower(): {fold_accents(name): size for name, size in unit_sizes(unit).items()}
     for unit in ("m", "deg", "N")
@@ -302,9 +310,12 @@ def _read_rows(
 def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
 ) -> tuple[pd.DataFrame, list[int]]:
-    lines = read_text(path, what="table").splitlines(keepends=True)
+    from squeezefilm.film.measured.text_file import lines_of_text  # as long as a small film
+
+    with prefix_errors(path):
+        lines, _ = lines_of_text(read_bytes(path, what="table"), form=required)
     start, separator = _find_header(lines, columns)
-    text = io.StringIO("".join(lines[start:]).lstrip(f"{COMMENT_SIGN} "), newline="")
+    text = io.StringIO("\n".join(lines[start:]).lstrip("#%! "), newline="")
     reader = csv.reader(text, delimiter=separator, skipinitialspace=True, strict=True)
     try:
         cells_of = ([cell.strip() for cell in cells] for cells in reader)
@@ -318,8 +329,10 @@ def _read_csv_rows(
         if not any(cells[width:]):
             del cells[width:]
     # A row's name may begin with the sign.
-    rows = [row for row in rows if len(row[1]) == width or row[1][0][:1] != COMMENT_SIGN]
+    rows = [row for row in rows if len(row[1]) == width or not row[1][0].startswith(COMMENT_SIGNS)]
     (_, header), *rows = rows
+    if "point_id" not in header:  # pandas writes rows' names in a column without one
+        header[0] = header[0] or "point_id"
     units = [normalised_unit(cell) for _, cells in rows[:1] for cell in cells]
     if {*units} & KNOWN_UNIT_NAMES and {*units} <= {*KNOWN_UNIT_NAMES, ""}:
         header = [
@@ -359,11 +372,11 @@ def _find_header(lines: Sequence[str], columns: Iterable[str]) -> tuple[int, str
         for index in filled[:MAX_LINES_ABOVE_HEADER]:
             separators = [each for each in CSV_SEPARATORS if each in lines[index]]
             for separator in separators or BLANK_SEPARATOR:
-                cells = [cell.strip('" ') for cell in lines[index].strip("\r\n# ").split(separator)]
+                cells = [cell.strip('" ') for cell in lines[index].strip("#%! ").split(separator)]
                 named = sum(bool({cell, _column_and_unit_size(cell)[0]} & asked) for cell in cells)
                 if named >= least:
                     return index, separator
-    plain = next((index for index in filled if lines[index][0] != COMMENT_SIGN), 0)
+    plain = next((index for index in filled if not lines[index].startswith(COMMENT_SIGNS)), 0)
     return plain, max(CSV_SEPARATORS, key="".join(lines[plain : plain + 1]).count)
 
 
@@ -437,11 +450,14 @@ def _columns_text(columns: Sequence[str], optional: Collection[str]) -> str:
 def _column_and_unit_size(cell: str) -> tuple[str, float | None]:
     """The column that a header's cell names, and the size of its unit; None of one without."""
     for words, unit in possible_words_and_units(cell, KNOWN_UNIT_NAMES):
-        uncertain = words[-1:] == ["uncertainty"]
-        text = " ".join(words[:-1] if uncertain else words).removesuffix(" standard")
-        if text in COLUMN_OF_WORDS:
-            stem, _, base = COLUMN_OF_WORDS[text].rpartition("_")
-            name = f"{stem}_uncertainty_{base}" if uncertain else COLUMN_OF_WORDS[text]
+        named = [word for word in words if word not in UNCERTAINTY_WORDS]
+        text = " ".join(named).removesuffix(" standard")
+        columns = {
+            COLUMN_OF_WORDS.get(word) for word in ([text] if text in COLUMN_OF_WORDS else named)
+        }
+        if len(columns) == 1 and (own := columns.pop()):
+            stem, _, base = own.rpartition("_")
+            name = f"{stem}_uncertainty_{base}" if named != words else own
             return name, UNIT_SIZES_OF_BASE_UNIT[base].get(unit)
     return cell, None
 

@@ -25,7 +25,7 @@ from squeezefilm.provenance import package_versions
 from squeezefilm.reynolds.device import choose_device, device_name, device_properties, list_devices
 from squeezefilm.reynolds.kernel_cache import kernel_cache_folder
 from squeezefilm.studies.plans import chunk_counts
-from squeezefilm.studies.study import check_study
+from squeezefilm.studies.study import check_film, check_study
 
 EXAMPLE_STUDY_PATH = Path(__file__).resolve().parents[3] / "config" / "vibrometer"
 # What a rectangular surface has instead of the example's, by the text before and after.
@@ -126,7 +126,9 @@ def config(options: argparse.Namespace) -> None:
     try:
         study = check_study(load_config(options.study))
     except FilmWithoutStudyError as film_alone:
-        print(effective_yaml(load_film(options.study)), end="")
+        film = load_film(options.study)
+        check_film(film)
+        print(effective_yaml(film), end="")
         print_notes([str(film_alone)])
         return
     check_models_of_study(study)

@@ -135,4 +135,6 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
 
 
 def _close_match(key: str, known: Iterable[str], *, cutoff: float = 0.6) -> str:
-    return next(iter(difflib.get_close_matches(key, known, n=1, cutoff=cutoff)), "")
+    """The first of the keys that begin with this one, or the closest; "" if none is close."""
+    begun = sorted(name for name in known if name.startswith(f"{key}_"))
+    return next(iter(begun or difflib.get_close_matches(key, known, n=1, cutoff=cutoff)), "")

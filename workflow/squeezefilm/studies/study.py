@@ -97,12 +97,12 @@ def scene_of_study(
     return scene
 
 
-def check_study(config: Study) -> Study:
-    """Check every pad position and film of a study before anything is simulated.
+def check_film(config: FilmSections) -> Profile:
+    """Check pad, surface and mode shape; return the mode shape as far as plans need it.
 
     Of a scan the points: the rule `smooth` reports an invalid smooth profile through them.
 
-    Raises InputError naming the section and the point that has no physical meaning.
+    Raises InputError naming the section that is invalid.
     """
     with prefix_errors(config.path):
         check_pad_fits(config.read_pad(), config.actuator.surface)
@@ -110,7 +110,15 @@ def check_study(config: Study) -> Study:
             from squeezefilm.film.measured.placement import read_scan_on_surface
 
             read_scan_on_surface(path, **config.smoothing_arguments)
-        profile = config.profile_for_planning()
+        return config.profile_for_planning()
+
+
+def check_study(config: Study) -> Study:
+    """Check every pad position and film of a study before anything is simulated.
+
+    Raises InputError naming the section and the point that has no physical meaning.
+    """
+    profile = check_film(config)
     if config.measurements:
         measured_force_table(config, profile=profile)
     for section, points in _extreme_points_by_section(config):

@@ -148,7 +148,7 @@ def read_point_table(
         problems[-1:] = [
             f"{problem}; the columns are {', '.join(columns)}{beside}" for problem in problems[-1:]
         ]
-        problems += [
+        problems[:0] = [
             f"a time series ({each.name!r}) is no shape; {TIME_SERIES_REMEDY}"
             for each in header_columns(header)
             if each.quantity == "time" and problems and not motion
@@ -360,7 +360,13 @@ def _table_cells(
         and not COMMENT_PATTERN.match(line)
         and not RULED_LINE_PATTERN.fullmatch(line)
     }
-    first_cells = {number: next(filter(None, cells), "") for number, cells in rows.items()}
+    # Comments, as Origin has them above the numbers, may begin with empty cells and a number.
+    first_cells = {
+        number: next(filter(None, cells), "")
+        if cells[0] or any(map(PLAIN_NUMBER_PATTERN.match, cells))
+        else "comment"
+        for number, cells in rows.items()
+    }
     start = pd.Series(first_cells, dtype=object)
     words = start.str.fullmatch(WORD_LINE_PATTERN).astype(bool) & ~start.map(is_missing).astype(
         bool

@@ -13,7 +13,7 @@ import re
 from pathlib import Path
 
 from squeezefilm.errors import InputError
-from squeezefilm.files import read_text
+from squeezefilm.files import read_bytes, read_text
 from squeezefilm.film.measured.arrays import (
     ARRAY_SUFFIXES,
     arrays_as_table_lines,
@@ -42,12 +42,18 @@ def read_table_lines(path: Path, *, what: str, form: str) -> tuple[list[str], li
 
     Raises InputError for a file that cannot be read or is none of text, with the remedy.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"the {what} cannot be read: {error}") from None
     if path.suffix.lower() in ARRAY_SUFFIXES:
         return arrays_as_table_lines(path), ["its variables are read as columns"]
+    text_lines, notes = lines_of_text(read_bytes(path, what=what), form=form)
+    lines, matrix = matrix_as_table_lines(text_lines)
+    return lines, notes + matrix
+
+
+def lines_of_text(content: bytes, *, form: str) -> tuple[list[str], list[str]]:
+    """The lines of a text in whatever encoding, those of Markdown with tabs, and a note on it.
+
+    Raises InputError for the content of a file that is none of text, with the remedy.
+    """
     _reject_foreign_file("beginning", content[:MAX_ENCODING_CHECK_CHARACTERS].decode("latin-1"))
     text, encoding = _decode_text(content)
     _reject_foreign_file("text", text[:MAX_FORMAT_CHECK_CHARACTERS])
@@ -55,8 +61,7 @@ def read_table_lines(path: Path, *, what: str, form: str) -> tuple[list[str], li
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
     text_lines = io.StringIO(text, newline=None).read().split("\n")
-    lines, matrix = matrix_as_table_lines(_without_markdown(text_lines))
-    return lines, notes + matrix
+    return _without_markdown(text_lines), notes
 
 
 def _without_markdown(lines: list[str]) -> list[str]:

@@ -49,6 +49,12 @@ NORMAL_DIRECTION = 3
 NAME_OF_DIRECTION = {
     number: f"{'+-'[number < 0]}{'XYZ'[abs(number) - 1]}" for number in (-3, -2, -1, 1, 2, 3)
 }
+RECIPROCAL_KEYS = {
+    "rsp_node": "ref_node",
+    "ref_node": "rsp_node",
+    "rsp_dir": "ref_dir",
+    "ref_dir": "rsp_dir",
+}
 REFERENCE_PATTERN = re.compile(r"\s*reference\s*=\s*(\S+)\s*", re.IGNORECASE)
 # A mode is by this factor nearer to the actuator's frequency than any other.
 MIN_FREQUENCY_OFFSET_RATIO = 3
@@ -183,6 +189,13 @@ def _scan_at_frequency(
     """The shape that functions have at the actuator's frequency, of one reference."""
     omega = 2 * math.pi * frequency_hz
     every = [each for each in sets if each.get("type") == FUNCTION_DATASET]
+    is_roving_hammer = (
+        len({(each["rsp_node"], each["rsp_dir"]) for each in every}) == 1 < len(every)
+    )
+    if is_roving_hammer:
+        every = [
+            each | {own: each[other] for own, other in RECIPROCAL_KEYS.items()} for each in every
+        ]
     functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL_DIRECTION] or every
     beside = [f"{len(every) - len(functions)} functions along x or y ignored"]
     beside *= len(functions) < len(every)
@@ -212,6 +225,7 @@ def _scan_at_frequency(
     signed = np.iscomplexobj(measured) or bool(np.any(amplitude.real < 0))
     missing, bare = int(np.sum(~seen)), len(position_of_node) - len(nodes)
     notes = (
+        *["one response: a shape over the references, by reciprocity"] * is_roving_hammer,
         *beside,
         *aside,
         f"read at {lines_hz.min():.7g} Hz",
