@@ -194,7 +194,7 @@ def check(options: argparse.Namespace) -> int:
     Compared are all columns of the tables of simulations, modelling errors, response, levitation,
     validation, figures and the paper, but for grids and iterations; claims, fits, designs,
     pictures and the verdicts on stiff films: each as closely as the study's tolerance allows. Of
-    long tables, 25 rows and least, mean and largest value of a column are. Shown are each
+    long tables, 100 rows and least, mean and largest value of a column are. Shown are each
     part's worst quantity and every quantity that failed; all of them are in the table.
     The exit status is 1 when anything failed.
     """
