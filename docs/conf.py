@@ -59,7 +59,7 @@ def claims() -> list[str]:
         }
     with (WORKFLOW / "squeezefilm_workflow/paper/papers_claims.csv").open(encoding="utf-8") as file:
         claims = list(csv.DictReader(file))
-    rows = {kind: ["| claim | verdict | paper | here | unit |"] for kind in ("result", "setting")}
+    rows = {kind: ["| claim | verdict | paper | ours | unit |"] for kind in ("result", "setting")}
     agreeing = dict.fromkeys(rows, 0)
     for each in claims:
         agrees = ours[each["claim_id"], "verdict"] == "agrees"

@@ -22,6 +22,7 @@ from squeezefilm_workflow.reporting.check import (
     write_reference,
 )
 from squeezefilm_workflow.reporting.figures.style import PLAIN_PICTURE_SUFFIX
+from squeezefilm_workflow.reporting.pages import render_template
 
 FORCES = pd.DataFrame(
     {"point_id": [str(row) for row in range(200)], "force_n": np.linspace(0.1, 0.8, 200) ** 2}
@@ -62,9 +63,17 @@ def test_of_what_failed_causes_stand_first():
         for part, item_name in (("claims", "error"), ("fits", "screen"), ("simulations", "screen"))
         for item in quantities(FORCES)[2:3]
     ]
-    text = check.terminal_text(compare_quantities(found, {}), Path("results/mine"))
-    files = re.findall(r"results/mine/(\w+)", text)
+    table, results = compare_quantities(found, {}), Path("results/mine")
+    files = re.findall(r"results/mine/(\w+)", check.terminal_text(table, results))
     assert files == ["simulations", "fits", "claims"]
+    failed_files = check.failed_files(table, results)
+    page = render_template("check.md", summary="", files=failed_files, plan_size=1, table=table)
+    assert re.findall(r"`results/mine/(\w+)", page) == files
+
+
+def test_the_page_begins_with_verdicts():
+    """A window of 400 pixels ended before them."""
+    assert check.CHECK_COLUMNS[0] == "verdict"
 
 
 def test_what_failed_stands_first_on_the_page():

@@ -31,9 +31,10 @@ from squeezefilm_workflow.reporting.results import Results
 
 PASSED, FAILED = "passed", "failed"
 CHECK_COLUMNS = (
-    *("part", "item", "quantity", "verdict", "expected", "got", "tolerance", "worst"),
-    "of_tolerance",
+    *("verdict", "part", "item", "quantity", "of_tolerance", "expected", "got", "worst"),
+    "tolerance",
 )
+"""What judges a quantity stands before what is long: a narrow window shows it."""
 REFERENCE_INDEX = ("item", "cell")
 """Columns of a reference; the others are its quantities."""
 MAX_CELL_CHARACTERS = 40
@@ -180,8 +181,12 @@ def check_page(results: Results, *, reference: str) -> Page:
     table = check_table(results, Path(reference))
     shown = failures_first(table)
     shown["of_tolerance"] = shown["of_tolerance"].map("{:.2g}".format)
+    # Long names may be broken in two, terms of a tolerance not: rows stay low, the table narrow.
+    shown["item"] = shown["item"].str.replace("(/|_on_)", "\\1\u200b", regex=True)
+    shown["tolerance"] = shown["tolerance"].str.replace(r"(?<!\+) ", "\u00a0", regex=True)
     values = {
         "summary": passed_and_failed_text(table, study=results.folder.name),
+        "files": failed_files(table, results.folder),
         "table": shown,
         "plan_size": MAX_FORCES_ALL_KEPT,
     }
@@ -222,9 +227,8 @@ def compare_quantities(
         worst = max(distances, key=lambda cell: distances[cell])
         verdict = PASSED if distances[worst] <= 1 else FAILED
         values = expected.get(worst, "–"), quantity.cell_texts.get(worst, "missing")
-        rows.append(
-            (*quantity[:3], verdict, *values, str(quantity.tolerance), worst, distances[worst])
-        )
+        tolerance = str(quantity.tolerance)
+        rows.append((verdict, *quantity[:3], distances[worst], *values, worst, tolerance))
     return pd.DataFrame(rows, columns=list(CHECK_COLUMNS))
 
 
@@ -337,6 +341,14 @@ def failures_first(table: pd.DataFrame) -> pd.DataFrame:
     return by_part.sort_values("verdict", key=lambda verdicts: verdicts == PASSED, kind="stable")
 
 
+def failed_files(table: pd.DataFrame, folder: Path) -> list[Path]:
+    """Return the files in a folder of results that have what failed, causes first."""
+    rows = failures_first(table[table["verdict"] != PASSED])
+    items = zip(rows["part"], rows["item"], strict=True)
+    paths = (folder / FILE_TEMPLATE_OF_PART[part].format(item) for part, item in items)
+    return list(dict.fromkeys(paths))
+
+
 def terminal_text(table: pd.DataFrame, folder: Path) -> str:
     """Return each part's worst quantity, what failed in a folder of results, and the summary."""
     failed = table["verdict"] != PASSED
@@ -346,8 +358,7 @@ def terminal_text(table: pd.DataFrame, folder: Path) -> str:
     rows = failures_first(table[failed])
     if len(rows):
         kinds["Failed"] = rows
-    items = zip(rows["part"], rows["item"], strict=True)
-    files = dict.fromkeys(folder / FILE_TEMPLATE_OF_PART[part].format(item) for part, item in items)
+    files = failed_files(table, folder)
     how: dict[str, Any] = {
         "index": False,
         "max_colwidth": MAX_CELL_CHARACTERS,

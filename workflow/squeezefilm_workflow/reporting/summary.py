@@ -13,6 +13,7 @@ from squeezefilm.film.pad import net_points_on_pad
 from squeezefilm.film.positions import POLAR_COLUMNS, find_position_columns
 from squeezefilm.film.scene import Gas
 from squeezefilm.formatting import column_label, interval_text
+from squeezefilm.formatting import number_text as padded_number_text
 from squeezefilm.provenance import provenance_record
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS
 from squeezefilm.units import error_text, value_and_error_texts
@@ -23,7 +24,6 @@ from squeezefilm_workflow.reporting.notes import (
     max_simulation_error_fraction,
     percent_text,
     rounded_up_text,
-    signed_text,
 )
 from squeezefilm_workflow.reporting.pages import Page, html_of_markdown, render_template
 from squeezefilm_workflow.reporting.results import Results
@@ -182,6 +182,10 @@ def modelling_error_text(results: Results) -> str:
     return " to ".join(dict.fromkeys(texts))
 
 
+def _change_text(percent: float) -> str:
+    return padded_number_text(percent).replace("-", "−") if np.isfinite(percent) else "not known"
+
+
 def _bounds_text(lower: float, upper: float) -> str:
     text = interval_text(lower, upper).replace(" to ", "…").replace("-", "−")
     return text if np.isfinite([lower, upper]).all() else "not known"
@@ -198,7 +202,7 @@ def _effect_rows(results: Results) -> pd.DataFrame:
         present = row["included_effects"].split("; ")
         shown[f"h0 = {1e6 * row['h0_m']:g} µm"] = [
             *(
-                "in the forces" if name in present else signed_text(row[f"{name}_percent"])
+                "in the forces" if name in present else _change_text(row[f"{name}_percent"])
                 for name in EFFECT_COLUMN_STEMS
             ),
             _bounds_text(*row[MODELLING_ERROR_COLUMNS]),
