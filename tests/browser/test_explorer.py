@@ -126,6 +126,20 @@ def test_the_number_shown_is_the_librarys(name, explorer):
         assert explorer.force_n == pytest.approx(explorer.library_n(name), rel=0, abs=EXACT)
 
 
+@pytest.mark.parametrize("name", CANDIDATES)
+def test_a_region_of_low_coverage_is_stated_where_the_library_states_it(name, explorer):
+    explorer.choose(name)
+    interval, noted = explorer.fit(name).prediction_interval, []
+    for h0, hv in ((5.5, 0.4), (7.5, 1.1), (9.5, 1.9)):
+        explorer.type(h0=h0, hv=hv, phi_r=1.2, phi_phi=30.0)
+        (notes,) = interval.coverage_notes(Factors.of(**explorer.factors()))
+        noted += [notes] * bool(notes)
+        for note in filter(None, notes.split("; ")):
+            assert note in explorer.text("validation")
+        assert ("third of the" in explorer.text("validation")) == bool(notes)
+    assert noted or not interval.low_coverage_regions()
+
+
 @pytest.mark.parametrize("name", [*FITS, *CANDIDATES])
 def test_the_gap_and_the_amplitude_under_a_load_are_the_librarys(name, explorer):
     explorer.choose(name)

@@ -29,7 +29,7 @@ def test_a_budget_and_a_curve_are_had_by_options(edited, tmp_path, capsys, refus
     curve, picture = str(tmp_path / "curve.csv"), str(tmp_path / "curve.svg")
     simulated = ["simulate", "--hv", "1um", *where, "--output", curve]
     assert main(simulated) == 0
-    assert "1 lines over 1 points" in refused("plot", curve, "--output", picture)
+    assert "points along h0_m: 1, lines: 1" in refused("plot", curve, "--output", picture)
     assert main([*simulated, "--x", "0mm,1mm,2mm"]) == 0
     assert main(["plot", curve, "--output", picture]) == 0
     assert "position $x$ (mm)" in (tmp_path / "curve.svg").read_text(encoding="utf-8")
@@ -82,3 +82,20 @@ def test_a_prediction_is_valid_where_its_film_is(fit, tmp_path, capsys):
 def test_a_single_point_outside_is_named_without_a_number(refused):
     text = refused("simulate", "--h0", "5mm", "--hv", "2um")
     assert "operating point: h0 = 5000 µm must lie between 0.001 and 1000 µm" in text
+
+
+def test_responses_of_several_points_are_written_as_a_table(edited, tmp_path, refused):
+    words = ["response", "--h0", "5um,6um", "--hv", "2um", "--config", str(edited("paper"))]
+    assert "several scenes need --output" in refused(*words)
+    output = tmp_path / "responses.csv"
+    assert main([*words, "--output", str(output)]) == 0
+    corner_hz = pd.read_csv(output)["corner_hz"]
+    assert corner_hz.is_monotonic_increasing
+    assert len(corner_hz) == 2
+
+
+def test_a_line_of_several_loads_states_mass_and_modelling_error(edited, tmp_path, capsys):
+    words = ["levitate", "--mass", "50g,60g", "--hv", "1.5um", "--config", str(edited("paper"))]
+    assert main([*words, "--output", str(tmp_path / "levitation.csv")]) == 0
+    first = capsys.readouterr().err.splitlines()[0]
+    assert re.match(r"mass 50 g, load 0\.49 N, hv 1\.5 µm: gap 4\.6.*, modelling error -0", first)

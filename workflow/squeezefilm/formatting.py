@@ -212,6 +212,8 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
         bound = value_text(round_up_error(value + max(errors)), unit)
         return f"below about {bound} (error as large as the value)"
     text = value_text(value, unit, error=max(errors, default=None))
+    if column_label(stem).startswith("change of") and text[0].isdigit():
+        text = f"+{text}"
     if "±" not in text:
         return text
     if len(errors) > 1:
@@ -329,7 +331,7 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     total = f"{size_text}{interval_text(*ends)} % of the {'force' if unit == 'N' else 'load'}"
     if not isfinite(ends[0]):
         total = NOT_AVAILABLE_TEXT + f": {status}" * (status != "ok")
-        if reason := " and ".join(column_label(name) for name in unknown if name):
+        if reason := ", ".join(column_label(name) for name in unknown if name):
             total += f": {reason} not known"
     lines = [("modelling error", total)]
     if status != "ok":
@@ -337,7 +339,8 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
         text = effect_change_text(effect, *[edge] * (name == "edge_loss"))
         if name in EFFECTS_WITH_ESTIMATED_ERROR:
-            text += f" ± {percent_text(round_up_error(error), sign='')}"
+            bound = percent_text(round_up_error(error), sign="")
+            text += f" ± {bound}" if isfinite(error) else ", error not known"
             if abs(effect) < MIN_EFFECT_OVER_ERROR * error:
                 bound = percent_text(round_up_error(abs(effect) + error), sign="")
                 text = f"within ± {bound}"

@@ -35,7 +35,7 @@ from squeezefilm.dynamics.response import gain_table, response_table, start_and_
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.film.validity import OK, validity_text
-from squeezefilm.formatting import scene_row, value_text
+from squeezefilm.formatting import NOT_AVAILABLE_TEXT, interval_text, scene_row, value_text
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import print_step
 from squeezefilm.tables import read_scenes, write_table
@@ -52,7 +52,7 @@ from squeezefilm.units import parse_quantities
     factor_options("h0"),
 )
 def levitate(options: argparse.Namespace) -> None:
-    """The gap at which the film carries a load, its stiffness, and whether it is stable.
+    """The gap at which the film carries a load, its stiffness, resonance and damping.
 
       squeezefilm levitate --load 0.5N --hv 1.5um [--mass 50g]
       squeezefilm levitate --mass 10:50:5g --hv 1.5um
@@ -69,8 +69,9 @@ def levitate(options: argparse.Namespace) -> None:
     modelling error is unknown: do not use the gap without a measurement.
 
     `stiffness_n_per_m` is −∂F/∂h0 for slow motion at constant amplitude; its error does not contain
-    the noise of the scan. `stable` refers to vertical motion only. The errors of stiffness,
-    resonance and damping ratio do not contain the modelling error.
+    the noise of the scan. `stable` means that the force falls as the gap grows; oscillations may
+    still grow. The errors of stiffness, resonance and damping ratio do not contain the modelling
+    error.
 
     `other_gaps_m` are approximate smaller gaps that carry the same load. Without --load the load is
     the weight of each mass. With a mass, `resonance_hz` = |Im λ|/2π and `damping_ratio` = −Re λ/|λ|
@@ -115,12 +116,16 @@ def levitate(options: argparse.Namespace) -> None:
 
 
 def _levitation_text(row: dict[str, Any]) -> str:
-    """A row in a line, told as soon as it is known."""
-    at = [f"load {value_text(row['load_n'], 'N')}", f"hv {value_text(row['hv_m'], 'm')}"]
+    """Return a row as a line: load, amplitude and position, then the gap with both its errors."""
+    at = [f"mass {1e3 * row['mass_kg']:.6g} g"] if "mass_kg" in row else []
+    at += [f"load {value_text(row['load_n'], 'N')}", f"hv {value_text(row['hv_m'], 'm')}"]
     at += [f"{name[0]} {value_text(row[name], 'm')}" for name in CARTESIAN_COLUMNS if row[name]]
     if row["status"] != OK:
         return f"{', '.join(at)}: {row['status']}"
-    return f"{', '.join(at)}: gap {value_text(row['h0_m'], 'm', error=row['h0_error_m'])}"
+    gap = value_text(row["h0_m"], "m", error=row["h0_error_m"])
+    ends = [1e6 * row[f"h0_modelling_error_{end}_m"] for end in ("lower", "upper")]
+    modelling = f"{interval_text(*ends)} µm" if np.isfinite(ends).all() else NOT_AVAILABLE_TEXT
+    return f"{', '.join(at)}: gap {gap}, modelling error {modelling}"
 
 
 @command(
@@ -139,13 +144,13 @@ def _levitation_text(row: dict[str, Any]) -> str:
         default=DEFAULT_FREQUENCIES_TEXT,
     ),
     *FILM_OPTIONS,
-    factor_options(many=False),
+    factor_options(),
 )
 def response(options: argparse.Namespace) -> None:
     """Response of the mean force to a changing amplitude: gain, phase and settling times.
 
       squeezefilm response --h0 5um --hv 2.2um [--frequencies 10Hz,100Hz,300Hz]
-      squeezefilm response SCENES.csv --config CONFIG.yaml --output RESPONSE.csv [--gains GAINS.csv]
+      squeezefilm response --h0 5:10:6um --hv 1um,2um --output RESPONSE.csv [--gains GAINS.csv]
       squeezefilm response SCENES.csv --config CONFIG.yaml --steps STEPS.csv
 
     The gain is the relative change of the force per relative change of the amplitude: 2 or a
@@ -168,15 +173,14 @@ def response(options: argparse.Namespace) -> None:
     The exit status is 1 for a single scene outside them, and where a scene has no response.
     """
     film = film_of_options(options)
-    points, alone = points_unless_scenes_table(options), options.scenes is None
+    points = points_unless_scenes_table(options)
     frequency_hz = np.array(
         parse_quantities(options.frequencies, option="--frequencies", unit="Hz")
     )
-    table = pd.DataFrame(points) if alone else read_scenes(options.scenes)
-    if alone and len(table) > 1:
-        raise InputError("give a table of scenes, or one scene by --h0 and --hv")
+    table = read_scenes(options.scenes) if options.scenes else pd.DataFrame(points)
+    alone = not options.scenes and len(table) == 1
     if not alone and options.output is options.gains is options.steps is None:
-        raise InputError("a table of scenes needs --output, --gains or --steps")
+        raise InputError("several scenes need --output, --gains or --steps")
     with prefix_errors(options.scenes):
         scenes = film.scenes(table)
     if alone or options.gains is not None:

@@ -179,7 +179,9 @@ def write_or_print_rows(table: pd.DataFrame, options: argparse.Namespace, **abou
         print_table(table, **about)
         return
     if about:
-        print(result_lines_text(about))
+        noted = int(table.get("note", pd.Series(dtype=str)).fillna("").ne("").sum())
+        note = f"{noted} of {len(table)} rows have a note in the table" * bool(noted)
+        print(result_lines_text({**about, "note": note}))
 
 
 def print_table(table: pd.DataFrame, **about: str) -> None:

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from math import ceil
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,6 +46,21 @@ NORMAL_QUANTILES = {0.95: 1.959964, 0.99: 2.575829}
 NAMES_OF_THIRDS = ("low", "middle", "high")
 MIN_COVERAGE = 0.9
 """Coverage of a region by the 95 % interval below which its points have a note."""
+
+
+class LowCoverageRegion(NamedTuple):
+    """A range of a quantity in which the 95 % interval holds too few points of the sample.
+
+    Attributes:
+        quantity: a column of factors, or ``epsilon``.
+        lower, upper: ends in SI units, the upper one outside; None for an open end.
+        note: what is stated of a point in the range.
+    """
+
+    quantity: str
+    lower: float | None
+    upper: float | None
+    note: str
 
 
 class PredictionInterval(BaseModel):
@@ -139,20 +154,27 @@ class PredictionInterval(BaseModel):
         A file of a version that did not write the ends of the regions has no such notes.
         """
         notes = np.full(len(factors), "", dtype=object)
-        error = "the 95 % error" + " without the scan" * bool(self.profile_uncertainty)
-        for region in self.coverage:
-            if region["coverage"] < MIN_COVERAGE and "upper" in region:
-                name = region["quantity"]
-                values, label = factors.column(name), COLUMNS[name].label
-                low, high = region["lower"], region["upper"]
-                inside = (values >= (-np.inf if low is None else low)) & (
-                    values < (np.inf if high is None else high)
-                )
-                notes[inside] += (
-                    f"; {error} holds {100 * region['coverage']:.3g} % of {region['points']} "
-                    f"validation points in the {region['third']} third of the {label}"
-                )
+        for region in self.low_coverage_regions():
+            values, low, high = factors.column(region.quantity), region.lower, region.upper
+            inside = (values >= (-np.inf if low is None else low)) & (
+                values < (np.inf if high is None else high)
+            )
+            notes[inside] += f"; {region.note}"
         return [note.removeprefix("; ") for note in notes]
+
+    def low_coverage_regions(self) -> list[LowCoverageRegion]:
+        """Return the regions in which the interval holds too few points of the sample."""
+        error = "the 95 % error" + " without the scan" * bool(self.profile_uncertainty)
+        return [
+            LowCoverageRegion(
+                **{end: region[end] for end in ("quantity", "lower", "upper")},
+                note=f"{error} holds {100 * region['coverage']:.3g} % of {region['points']} "
+                f"validation points in the {region['third']} third of the "
+                f"{COLUMNS[region['quantity']].label}",
+            )
+            for region in self.coverage
+            if region["coverage"] < MIN_COVERAGE and "upper" in region
+        ]
 
 
 def fold_indices_of_points(factors: Factors, *, folds: int, seed: int) -> NDArray[np.int64]:

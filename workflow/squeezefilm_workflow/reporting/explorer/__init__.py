@@ -114,6 +114,9 @@ def _fit_for_explorer(name: str, fit: FittedModel, plan: str, *, best: bool) -> 
         "interval": None
         if fit.prediction_interval is None
         else fit.prediction_interval.model_dump(mode="json"),
+        "low_coverage": []
+        if fit.prediction_interval is None
+        else [region._asdict() for region in fit.prediction_interval.low_coverage_regions()],
         "statement": fit.statement,
         "gaps_m": fit.ranges["h0_m"]
         if fit.prediction_interval is None

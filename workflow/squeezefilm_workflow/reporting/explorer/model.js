@@ -35,6 +35,16 @@ function outsideOf(fit, point) {
   });
 }
 
+// Notes on the regions of a point in which the 95 % error holds few validation points:
+// PredictionInterval.coverage_notes.
+function coverageNotes(fit, point) {
+  const values = { ...point, epsilon: point.hv_m / point.h0_m };
+  return fit.low_coverage
+    .filter(({ quantity, lower, upper }) =>
+      values[quantity] >= (lower ?? -Infinity) && values[quantity] < (upper ?? Infinity))
+    .map(({ note }) => note);
+}
+
 // Smallest amplitude in metres that gives the target force at a point's gap and position, below
 // contact; NaN where there is none: as squeezefilm.models.amplitude_for looks for it.
 function amplitudeForForce(fit, point, target_n) {

@@ -162,7 +162,8 @@
     const validation = byId("validation");
     validation.classList.toggle("doubtful", reason !== "");
     validation.innerHTML = reason ? "<b>Not validated:</b> " : "<b>Validated:</b> ";
-    validation.append(reason || `${errorText(fit, error_n / Math.abs(value))}. ${fit.statement}`);
+    const validated = [errorText(fit, error_n / Math.abs(value)), ...coverageNotes(fit, now)];
+    validation.append(reason || `${validated.join("; ")}. ${fit.statement}`);
     const validity = data.inertia.reynolds_per_h0_square * now.h0_m ** 2;
     byId("validity").hidden = !(validity > data.inertia.most_reynolds);
     byId("validity").textContent = `Re ${plain(validity, 2)} at this gap: ${data.inertia.beyond}`;

@@ -94,9 +94,9 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     )
     if result is None or result.result_column not in table:
         raise InputError(
-            f"there is nothing to draw; a table has one of {', '.join(DRAWN_RESULT_OF_COLUMN)}; "
-            "of a scan `squeezefilm profile --table FILE` makes what `squeezefilm plot profile "
-            "FILE` draws"
+            "there is nothing to draw; drawn are tables of `simulate`, `predict`, `levitate`, "
+            "`amplitude-for` and `response` (but for --steps); of a scan `squeezefilm profile "
+            "--table FILE` makes what `squeezefilm plot profile FILE` draws"
         )
     if "gain" in table:
         gain_error, phase_error_deg = table["error"] * table["gain"], np.degrees(table["error"])
@@ -160,9 +160,9 @@ def _draw_lines(
     others = [name for name in varied if name != along]
     lines = list(known.groupby(others)) if others else [((), known)]
     if counts[along] < 2 or len(lines) > MAX_CURVE_LINES:
-        what = f"{len(lines)} lines over {counts[along]} points"
         raise InputError(
-            f"{what}: a curve has 2 points or more, and at most {MAX_CURVE_LINES} lines"
+            f"a curve has 2 points or more, and at most {MAX_CURVE_LINES} lines; points along "
+            f"{along}: {counts[along]}, lines: {len(lines)}"
         )
     beside = [
         name for name in result.lower_panel_columns if name in known and known[name].notna().any()
