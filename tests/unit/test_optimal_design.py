@@ -216,6 +216,7 @@ def test_points_of_a_design_are_different_experiments(repository):
         global_error=0.01,
         sum_of_squares=1.0,
         expression=model.expression,
+        constants=dict(model.constants),
         parameters=list(model.parameter_names),
         parameter_units=list(model.parameter_units),
     )
