@@ -209,11 +209,11 @@ def failed_point_texts(forces: pd.DataFrame) -> list[str]:
     return [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
 
 
-def no_force_message(failures: Sequence[str], source: Path | str, *, missing: str = "force") -> str:
-    """The message for points without a force, or without another result."""
+def no_force_message(failures: Sequence[str], source: Path | str) -> str:
+    """The message for points without a force."""
     beyond = len(failures) - MAX_ROWS_IN_MESSAGE
     more = f" and {beyond} more" if beyond > 0 else ""
-    return f"{source}: no {missing} for {'; '.join(failures[:MAX_ROWS_IN_MESSAGE])}{more}"
+    return f"{source}: no force for {'; '.join(failures[:MAX_ROWS_IN_MESSAGE])}{more}"
 
 
 def _read_table(

@@ -82,8 +82,8 @@ def levitate(options: argparse.Namespace) -> None:
     `modelling_error_lower_percent` and `…_upper_percent` bound the change of the force by neglected
     effects. `note` gives the terms that `auto` does not include, those included near their limit,
     the reason for a resonance that is missing or has an error as large as itself, and a slower
-    return of the gap without oscillation. Of several
-    loads each gap is printed on stderr as soon as it is known.
+    return of the gap without oscillation. Of several loads each gap is printed on stderr as soon as
+    it is known.
     """
     film = film_of_options(options)
     if options.hv is None or options.load is options.mass is None:

@@ -40,9 +40,9 @@ def predict(options: argparse.Namespace) -> None:
     A quantity is a number with its unit, several with commas, or evenly spaced ones as
     first:last:count; every combination is a point. POINTS.csv is a table of scenes (see
     `squeezefilm simulate --help`); by the symmetry of the study that the model was fitted in, any
-    direction may be asked. `error_95_n` is the error that 95 % of new points
-    drawn uniformly from the study's declared space do not exceed, `error_99_n` the same for 99 %,
-    measured on a validation sample of simulations that no fit used.
+    direction may be asked. `error_95_n` is the error that 95 % of new points drawn uniformly from
+    the study's declared space do not exceed, `error_99_n` the same for 99 %, measured on a
+    validation sample of simulations that no fit used.
 
     Outside the declared space, and for a fit without such a sample, both are empty and `note` says
     so. Where the profile was measured, both contain the uncertainty of its scan,

@@ -170,18 +170,16 @@ def write_or_print_rows(table: pd.DataFrame, options: argparse.Namespace, **abou
         about: what is known of all rows.
     """
     check_json_option(options, len(table))
-    if options.output:
-        write_table(table, options.output)
-    elif len(table) == 1:
+    if not options.output and len(table) == 1:
         print(result_text(table.to_dict("records")[0] | about, options))
-        return
-    else:
+    elif not options.output:
         print_table(table, **about)
-        return
-    if about:
-        noted = int(table.get("note", pd.Series(dtype=str)).fillna("").ne("").sum())
-        note = f"{noted} of {len(table)} rows have a note in the table" * bool(noted)
-        print(result_lines_text({**about, "note": note}))
+    else:
+        write_table(table, options.output)
+        if about:
+            noted = int(table.get("note", pd.Series(dtype=str)).fillna("").ne("").sum())
+            note = f"{noted} of {len(table)} rows have a note in the table" * bool(noted)
+            print(result_lines_text({**about, "note": note}))
 
 
 def print_table(table: pd.DataFrame, **about: str) -> None:
