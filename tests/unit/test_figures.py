@@ -92,6 +92,22 @@ def test_levitation_shows_every_amplitude_and_no_line_of_contact_crosses_another
     assert contact_um == pytest.approx(sorted(1e6 * SCREEN["hv_m"].unique()))
 
 
+def test_a_response_states_every_limit_that_films_exceed():
+    """The first film's, above 3, stood for all, of which some were above 10."""
+    gap_um = 1e6 * SCREEN["h0_m"]
+    table = SCREEN.assign(corner_hz=100 * gap_um, corner_error_hz=1.0, status="ok")
+    table = table.assign(instantaneous_fraction=0.1 * gap_um, instantaneous_fraction_error=0.01)
+    ends = {5: "ok", 7: "Re = 3.3 is above 3", 9: "Re = 10.2 is above 10"}
+    table["validity"] = gap_um.round().map(ends)
+    table["phi_r_m"] = table["phi_deg"] = 0.0
+    gains = pd.concat([table.assign(frequency_hz=hz, gain=2.0) for hz in (10.0, 100.0)])
+    gains = gains.assign(phase_deg=-1.0, error=0.01)
+    with style.figure_style():
+        figure = film.response(results(**{"response.csv": table, "gains.csv": gains}))
+    note = " ".join(text.get_text() for text in figure.texts).replace("\n", " ")
+    assert "4 of 12 films: Re is above 3; 4 of 12 films: Re is above 10." in note
+
+
 @pytest.mark.parametrize(
     ("profile", "lowest"),
     [("{kind: formula, expression: cos(500*x)}", -1.0), ("{kind: piston}", 0.0)],

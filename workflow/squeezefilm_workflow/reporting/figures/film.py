@@ -71,6 +71,12 @@ def error_budget(results: Results) -> Figure:
     return figure
 
 
+def _counts_text(reasons: pd.Series, *, of: int) -> str:
+    """Return each reason with the number of the films that have it."""
+    counts = reasons.value_counts(sort=False)
+    return "; ".join(f"{count} of {of} films: {reason}" for reason, count in counts.items())
+
+
 def _errors_text(errors: Any) -> str:
     """Return the least and the largest of the films' errors, in % of the force."""
     known = np.asarray(errors, dtype=float)
@@ -197,13 +203,12 @@ def response(results: Results) -> Figure:
             f"{bound_percent_text(lines['error'].max())}; negative: the force lags."
         )
     if len(unknown):
-        reason = unknown.iloc[0].split(" (")[0]
-        notes.append(f"Not available for {len(unknown)} of {len(maps)} films: {reason}.")
+        reasons = unknown.str.split(" (", regex=False).str[0]
+        notes.append(f"Not available, {_counts_text(reasons, of=len(maps))}.")
     if len(outside := maps[maps["validity"] != OK]):
-        notes.append(
-            f"{len(outside)} of {len(maps)} films are outside the limits of validity: "
-            f"{outside['validity'].iloc[0]}."
-        )
+        # Each film has a number of its own.
+        reasons = outside["validity"].str.replace(r" = [\d.e+-]+", "", regex=True)
+        notes.append(f"Outside the limits of validity, {_counts_text(reasons, of=len(maps))}.")
     style.add_note(figure, *notes)
     return figure
 
