@@ -328,22 +328,22 @@ def test_near_contact_auto_decides_in_less_time_than_a_solve_takes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("reynolds", "included", "refinements"), [(3.0, "included", {-1}), (1e-3, "none", {-1, 0})]
+    ("reynolds", "included", "grid_counts"), [(3.0, "included", {1}), (1e-3, "none", {1, 2})]
 )
 def test_auto_includes_terms_by_one_grid_and_excludes_them_by_two(
-    monkeypatch, reynolds: float, included: str, refinements: set[int]
+    monkeypatch, reynolds: float, included: str, grid_counts: set[int]
 ) -> None:
     solved_for = set()
 
-    def films_on_grids(plan, scenes, rows, *, refinements: int, **options):
-        solved_for.update([refinements] * len(rows))
-        return films_on_grids_of(plan, scenes, rows, refinements=refinements, **options)
+    def films_on_grids(plan, scenes, rows, *, grid_count: int, **options):
+        solved_for.update([grid_count] * len(rows))
+        return films_on_grids_of(plan, scenes, rows, grid_count=grid_count, **options)
 
     monkeypatch.setattr(model_error, "films_on_grids_of", films_on_grids)
     auto = moving(reynolds, inertia="auto", thermal="auto", epsilon=0.3, sigma=30.0)
     (scene,) = resolve_auto_terms([auto])
     assert (scene.gas.inertia, scene.gas.thermal) == (included, included)
-    assert solved_for == refinements
+    assert solved_for == grid_counts
 
 
 def test_auto_excludes_a_term_that_changes_the_force_by_little_less_than_the_tolerance() -> None:

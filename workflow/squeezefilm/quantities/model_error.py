@@ -39,7 +39,7 @@ from squeezefilm.solution import MODELLING_ERROR_COLUMNS, Solution
 # each are solved for; finer ones, so many times, where their error is more than a fraction of the
 # largest effect, unless a force took more operations than EXPENSIVE_OPERATION_COUNT, a fraction of
 # a second.
-FIRST_GRID_TOLERANCE, MAX_REFINEMENTS = 1e-3, 2
+FIRST_GRID_TOLERANCE, MAX_GRID_COUNT = 1e-3, 4
 RELATIVE_EFFECT_TOLERANCE, EXPENSIVE_OPERATION_COUNT = 0.01, 1e10
 # Scenes whose budgets are solved for together, so that not all states are held.
 SCENES_PER_BUDGET_BATCH = 16
@@ -230,11 +230,11 @@ def _error_budgets_of_variants(
 ) -> list[ErrorBudget]:
     budgets = [ErrorBudget(status="no vibration, no force") for _ in films]
     waiting = [k for k, film in enumerate(films) if film.has_force]
-    for refinements in range(1 + MAX_REFINEMENTS):
+    for grid_count in range(2, 1 + MAX_GRID_COUNT):
         if not waiting:
             break
         moving = [films[k] for k in waiting]
-        variants = _solve_variants(moving, refinements=refinements, device=device)
+        variants = _solve_variants(moving, grid_count=grid_count, device=device)
         changes = _changes_beside_states(moving, variants, device=device)
         resolved = []
         for k, of_film, changes_of_film in zip(waiting, variants, changes, strict=True):
@@ -251,7 +251,7 @@ def _error_budgets_of_variants(
 
 
 def _solve_variants(
-    films: Sequence[EffectVariants], *, refinements: int, device: Device
+    films: Sequence[EffectVariants], *, grid_count: int, device: Device
 ) -> list[dict[Scene, FilmOnGrids]]:
     """Return the variants of each film that have states, on grids of that with all effects."""
     scenes = [(k, scene) for k, film in enumerate(films) for scene in dict.fromkeys(film.scenes)]
@@ -260,7 +260,7 @@ def _solve_variants(
         Scenes.of([scene for _, scene in scenes]),
         range(len(scenes)),
         tolerance=FIRST_GRID_TOLERANCE,
-        refinements=refinements,
+        grid_count=grid_count,
         device=device,
         keep_states=True,
     )
@@ -501,9 +501,9 @@ def _depth_averaging_table(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.nd
 # Change of the force, relative, below which a term that is ``auto`` is not included. It is looked
 # for on the coarser of the first grids of a force to so many times that, or to the largest
 # tolerance, where the term stays if it changes the force by more than so many times that; then on
-# both, and on finer ones, so many times, where these leave it open.
+# both, and on finer ones, up to so many grids, where these leave it open.
 AUTO_TERM_TOLERANCE, CLEAR_CHANGE_FACTOR = 1e-3, 4.0
-DECIDING_GRID_FACTOR, MAX_DECIDING_GRID_TOLERANCE, MAX_DECIDING_REFINEMENTS = 10.0, 1e-2, 2
+DECIDING_GRID_FACTOR, MAX_DECIDING_GRID_TOLERANCE, MAX_DECIDING_GRID_COUNT = 10.0, 1e-2, 4
 
 
 def resolve_auto_terms(
@@ -540,7 +540,7 @@ def resolve_auto_terms(
         "tolerance": min(DECIDING_GRID_FACTOR * model_tolerance, MAX_DECIDING_GRID_TOLERANCE),
         "device": device,
     }
-    with_all: list[dict[int, FilmOnGrids]] = [{} for _ in range(2 + MAX_DECIDING_REFINEMENTS)]
+    with_all: list[dict[int, FilmOnGrids]] = [{} for _ in range(MAX_DECIDING_GRID_COUNT)]
     # Beyond a limit of the terms a change that passes through zero is no reason to go without them.
     decided = {
         row
@@ -556,12 +556,12 @@ def resolve_auto_terms(
             for row, names in enumerate(included)
             if row not in decided and set(fewer) < set(names)
         ]
-        for refinements, solved in enumerate(with_all, start=-1):
+        for grid_count, solved in enumerate(with_all, start=1):
             new = [row for row in undecided if row not in solved]
-            solved |= films_on_grids_of(plan, full, new, **how, refinements=refinements)
+            solved |= films_on_grids_of(plan, full, new, **how, grid_count=grid_count)
             # Where the whole equation has no state all terms stay: the scene's solution says why.
             both = [row for row in undecided if row in solved]
-            without = films_on_grids_of(plan, tried, both, **how, refinements=refinements)
+            without = films_on_grids_of(plan, tried, both, **how, grid_count=grid_count)
             for row, film in without.items():
                 change, error = solved[row].relative_difference(film, without=solved[row])
                 if abs(change) + error < model_tolerance:

@@ -100,24 +100,23 @@ def films_on_grids_of(
     rows: Sequence[int],
     *,
     tolerance: float,
-    refinements: int,
+    grid_count: int,
     device: Device,
     keep_states: bool = False,
 ) -> dict[int, FilmOnGrids]:
-    """Solve some scenes on two grids of their like; by row, where all grids have a state.
+    """Solve some scenes on grids of their like; by row, where all grids have a state.
 
     Args:
         plan: that of scenes of other terms, whose first grids to a tolerance these are.
-        refinements: by how many grids they are finer; −1 for the coarser grid alone.
+        grid_count: up to which grid, from the coarser of these on; the last two are solved on.
     """
     if not device.is_cpu:
         check_device(device)
     how: dict[str, Any] = {
         "tolerance": tolerance,
-        "refinements": refinements,
+        "grid_count": grid_count,
         "device": device,
     }
-    grid_count = 2 if refinements >= 0 else 1
 
     def solve_rows(rows: np.ndarray) -> list[FilmOnGrids | None]:
         found: dict[int, FilmOnGrids] = {}
@@ -131,7 +130,7 @@ def films_on_grids_of(
                     launched = launch(batches, device=device)
                     states = launched.wait_for_states(device)
                     for batch, stages in zip(batches, states, strict=True):
-                        stages = stages[-grid_count:]
+                        stages = stages[-min(grid_count, 2) :]
                         found |= _films_of_batch(batch, stages, keep_states=keep_states)
                         progress.update(len(batch.scene_rows))
                     device.recycle_arrays(*launched.pooled_host_arrays)
@@ -156,7 +155,7 @@ def _batches_on_grids_of(
     rows: np.ndarray,
     *,
     tolerance: float,
-    refinements: int,
+    grid_count: int,
     device: Device,
 ) -> Iterator[Batch]:
     """Batches of the scenes whose like have two grids that resolve the profile."""
@@ -166,13 +165,14 @@ def _batches_on_grids_of(
     if not rows.size:
         return
     capacity = max_unknowns_on_device(device)
+    refinements = grid_count - 2
     left = ITERATION_TOLERANCE_FRACTION * REFINED_TOLERANCE_FRACTION**refinements * tolerance
     for alike, _, grids in first_grids(plan, rows, tolerance=tolerance, capacity=capacity):
-        grids = grids[:-1] if refinements < 0 else grids
+        grids = grids[:-1] if grid_count == 1 else grids
         for _ in range(refinements):
             finer = finer_grid(grids[-1], capacity=capacity)
             grids = (grids[-1], *([finer] if finer else []))
-        if len(grids) >= (1 if refinements < 0 else 2):
+        if len(grids) >= min(grid_count, 2):
             tolerances = [START_GRID_TOLERANCE] * (len(grids) - 2) + [left] * min(len(grids), 2)
             for part in equal_row_groups(term_set_index[alike]):
                 terms = _terms_on_grid(term_sets[term_set_index[alike[part[0]]]], grids[0])
