@@ -36,7 +36,7 @@ from squeezefilm.reynolds.terms.thermal import Thermal
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS, Solution
 
 # Tolerance of the first grids of a film with all effects, on which its forces with and without
-# each are solved for; finer ones, so many times, where their error is more than a fraction of the
+# each are solved for; on up to so many grids where their error is more than a fraction of the
 # largest effect, unless a force took more operations than EXPENSIVE_OPERATION_COUNT, a fraction of
 # a second.
 FIRST_GRID_TOLERANCE, MAX_GRID_COUNT = 1e-3, 4
@@ -501,7 +501,7 @@ def _depth_averaging_table(thermal: bool) -> tuple[np.ndarray, np.ndarray, np.nd
 # Change of the force, relative, below which a term that is ``auto`` is not included. It is looked
 # for on the coarser of the first grids of a force to so many times that, or to the largest
 # tolerance, where the term stays if it changes the force by more than so many times that; then on
-# both, and on finer ones, up to so many grids, where these leave it open.
+# both, and on up to so many grids where these leave it open.
 AUTO_TERM_TOLERANCE, CLEAR_CHANGE_FACTOR = 1e-3, 4.0
 DECIDING_GRID_FACTOR, MAX_DECIDING_GRID_TOLERANCE, MAX_DECIDING_GRID_COUNT = 10.0, 1e-2, 4
 
