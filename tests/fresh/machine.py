@@ -48,7 +48,7 @@ class Machine:
                     "sh",
                     str(self.root),
                 ),
-                *("chroot", f"--userspec={user}:{user}", str(self.root)),
+                *("/usr/sbin/chroot", f"--userspec={user}:{user}", str(self.root)),
                 *("env", "-i", *(f"{name}={value}" for name, value in set_variables.items())),
                 *("sh", "-c", f"{changed} {command}"),
             ],
