@@ -9,15 +9,14 @@ import pytest
 
 from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
+from squeezefilm.files import read_json
+from squeezefilm.table_writer import table_writer, write_table
 from squeezefilm.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
     read_forces,
-    read_json,
     read_ok_forces,
     read_scenes,
-    table_writer,
-    write_table,
 )
 from squeezefilm.units import quantity_and_unit_of_column, unit_size
 
