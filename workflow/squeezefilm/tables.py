@@ -6,19 +6,17 @@ would take longer to read than scenes to solve.
 
 from __future__ import annotations
 
-import csv
 import difflib
 import io
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from itertools import zip_longest
-from math import nan
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from squeezefilm.columns import TEXT_COLUMNS, unregistered_columns
+from squeezefilm.columns import COLUMNS, TEXT_COLUMNS, unregistered_columns
 from squeezefilm.errors import (
     MAX_ROWS_IN_MESSAGE,
     InputError,
@@ -26,17 +24,29 @@ from squeezefilm.errors import (
     prefix_errors,
     raise_row_problems,
 )
-from squeezefilm.files import read_bytes
 from squeezefilm.film.positions import (
     CARTESIAN_COLUMNS,
     POLAR_COLUMNS,
     columns_in_table_form,
     fill_missing_coordinate,
 )
-from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
-from squeezefilm.units import unit_sizes
+from squeezefilm.text_tables.cells import number_of_cell, number_texts, without_units_and_thousands
+from squeezefilm.text_tables.header import (
+    COMMENT_PATTERN,
+    ROW_NAMES,
+    Vocabulary,
+    find_header,
+    rows_of_lines,
+)
+from squeezefilm.text_tables.scene_header import (
+    COLUMN_OF_WORDS,
+    UNIT_SIZES_OF_BASE_UNIT,
+    SceneVocabulary,
+    column_and_unit,
+)
+from squeezefilm.text_tables.text_file import read_table_lines
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR_COLUMNS)
 """Here and below, positions are named in polar form; columns_as_in takes a table's own names."""
@@ -68,8 +78,7 @@ MEASURED_COLUMNS_TEXT = (
 )
 POSITION_FORMS = f"{' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
 POSITION_FORMS_TEXT = f"a position is {POSITION_FORMS}"
-PARQUET_SUFFIX, COMMENT_SIGNS, MAX_LINES_ABOVE_HEADER = ".parquet", ("#", "%", "!"), 20
-CSV_SEPARATORS, BLANK_SEPARATOR = ",;\t", " "
+PARQUET_SUFFIX = ".parquet"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
 OPTIONAL_FORCE_COLUMNS = {*SOLUTION_COLUMNS} - {
@@ -79,31 +88,6 @@ OPTIONAL_FORCE_COLUMNS = {*SOLUTION_COLUMNS} - {
     "absent_terms",
 }
 """Columns of forces that a table may lack."""
-_WORDS_OF_COLUMN = {
-    "h0_m": "h0;h 0;gap;mean gap;spalt;jeu;entrefer;holgura;traferro;spleet;ギャップ;间隙",
-    "hv_m": "hv;h v;amplitude;vibration amplitude;disp ampl;amplitud;ampiezza;振幅;振動振幅",
-    "x_m": "x;x position;position x;x座標",
-    "y_m": "y;y position;position y;y座標",
-    "phi_r_m": "phi r",
-    "phi_deg": "phi",
-    "force_n": "force;f;kraft;fuerza;forza;forca;kracht;力",
-}
-COLUMN_OF_WORDS = {
-    fold_accents(words): name
-    for name, several in _WORDS_OF_COLUMN.items()
-    for words in several.split(";")
-}
-"""What people call columns, each also with a word of uncertainty, and units beside it."""
-UNCERTAINTY_WORDS = {
-    *("uncertainty", "unsicherheit", "messunsicherheit", "incertitude", "incertidumbre"),
-    *("incertezza", "incerteza", "onzekerheid", "不確かさ", "不确定度"),
-}
-UNIT_SIZES_OF_BASE_UNIT = {
-    unit.lower(): {fold_accents(name): size for name, size in unit_sizes(unit).items()}
-    for unit in ("m", "deg", "N")
-}
-KNOWN_UNIT_NAMES = {name for units in UNIT_SIZES_OF_BASE_UNIT.values() for name in units}
-
 OtherColumnsPolicy = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
 columns.csv does not have, and invalid where others are kept too."""
@@ -304,74 +288,56 @@ def _read_rows(
 def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
 ) -> tuple[pd.DataFrame, list[int]]:
-    from squeezefilm.film.measured.text_file import lines_of_text  # as long as a small film
-
+    vocabulary = SceneVocabulary(_asked_columns(columns))
     with prefix_errors(path):
-        lines, _ = lines_of_text(read_bytes(path, what="table"), form=required)
-    start, separator = _find_header(lines, columns)
-    text = io.StringIO("\n".join(lines[start:]).lstrip("#%! "), newline="")
-    reader = csv.reader(text, delimiter=separator, skipinitialspace=True, strict=True)
-    try:
-        cells_of = ([cell.strip() for cell in cells] for cells in reader)
-        rows = [(start + reader.line_num, cells) for cells in cells_of if any(cells)]
-    except csv.Error as error:
-        raise InputError(f"{path}: the table cannot be read: {error}") from None
-    if not rows:
-        raise InputError(f"{path}: the table is empty; it needs {required}")
-    width = max(at for at, name in enumerate(rows[0][1], start=1) if name)
+        lines, _ = read_table_lines(path, what="table", form=required)
+        header = find_header(lines, vocabulary, what="table", form=required)
+        rows = rows_of_lines(lines[header.first_row :], header.separator, start=header.first_row)
+    names = [*header.names]
+    if names[0] in ("", ROW_NAMES) and "point_id" not in names:  # as pandas writes rows' names
+        names[0] = "point_id"
+    width = max(at for at, name in enumerate(names, start=1) if name)
     for _, cells in rows:
         if not any(cells[width:]):
             del cells[width:]
     # A row's name may begin with the sign.
-    rows = [row for row in rows if len(row[1]) == width or not row[1][0].startswith(COMMENT_SIGNS)]
-    (_, header), *rows = rows
-    if "point_id" not in header:  # pandas writes rows' names in a column without one
-        header[0] = header[0] or "point_id"
-    units = [normalised_unit(cell) for _, cells in rows[:1] for cell in cells]
-    if {*units} & KNOWN_UNIT_NAMES and {*units} <= {*KNOWN_UNIT_NAMES, ""}:
-        header = [
-            name + f" [{unit}]" * bool(unit)
-            for name, unit in zip_longest(header, units, fillvalue="")
-        ]
-        del rows[0]
+    rows = [row for row in rows if len(row[1]) == width or not COMMENT_PATTERN.match(row[1][0])]
     raise_row_problems(
         [
-            f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
+            f"{path}: line {line}: {len(cells)} cells where the header has {width}"
             for line, cells in rows
-            if len(cells) != len(header)
+            if len(cells) != width
         ]
     )
     numbers = [line for line, _ in rows]
-    table = pd.DataFrame([cells for _, cells in rows], numbers, range(len(header)), dtype="str")
-    if separator != ",":
-        for column_index, name in enumerate(header):
-            table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
-    names = list(header)
-    for column_index, own, size in _renamed_columns_of_header(header, columns):
-        names[column_index] = own
-        table[column_index] = [_cell_in_si(cell, size) for cell in table[column_index]]
-    table = table.set_axis(names, axis=1).reset_index(drop=True)
-    table.attrs = dict(zip(names, header, strict=True))  # for messages
-    return table, numbers
+    table = pd.DataFrame([cells for _, cells in rows], numbers, names[:width], dtype="str")
+    with prefix_errors(path):
+        table = _columns_in_si(table, vocabulary, header.separator)
+    return table.reset_index(drop=True), numbers
 
 
-def _find_header(lines: Sequence[str], columns: Iterable[str]) -> tuple[int, str]:
-    """The place of the line that names columns, which may be a comment, and the separator of cells.
-
-    It is the first one that names two, or one; where none does, the first that is no comment.
-    """
-    asked = _asked_columns(columns)
-    filled = [index for index, line in enumerate(lines) if line.strip()]
-    for least in (2, 1):
-        for index in filled[:MAX_LINES_ABOVE_HEADER]:
-            separators = [each for each in CSV_SEPARATORS if each in lines[index]]
-            for separator in separators or BLANK_SEPARATOR:
-                cells = [cell.strip('" ') for cell in lines[index].strip("#%! ").split(separator)]
-                named = sum(bool({cell, _column_and_unit_size(cell)[0]} & asked) for cell in cells)
-                if named >= least:
-                    return index, separator
-    plain = next((index for index in filled if not lines[index].startswith(COMMENT_SIGNS)), 0)
-    return plain, max(CSV_SEPARATORS, key="".join(lines[plain : plain + 1]).count)
+def _columns_in_si(table: pd.DataFrame, vocabulary: Vocabulary, separator: str) -> pd.DataFrame:
+    """Columns under their own names, their numbers as texts in SI units; ``attrs`` has the names
+    that they had, for messages."""
+    header = list(map(str, table))
+    renamed = {at: (own, size) for at, own, size in _renamed_columns_of_header(header, vocabulary)}
+    own_names = [renamed.get(at, (name, 1.0))[0] for at, name in enumerate(header)]
+    units = {each.column_index: each.unit for each in vocabulary.columns(header)}
+    numbers = [
+        at
+        for at, name in enumerate(own_names)
+        if name not in TEXT_COLUMNS and (at in units or name in COLUMNS)
+    ]
+    plain = without_units_and_thousands(
+        [(header[at], units.get(at, ""), table.iloc[:, at]) for at in numbers], separator
+    )
+    columns = [table.iloc[:, at] for at in range(len(header))]
+    for at, cells in zip(numbers, plain, strict=True):
+        _, size = renamed.get(at, ("", 1.0))
+        columns[at] = number_texts(cells).map(partial(_cell_in_si, size=size))
+    table = pd.concat(columns, axis=1).set_axis(own_names, axis=1)
+    table.attrs = dict(zip(own_names, header, strict=True))
+    return table
 
 
 def _asked_columns(columns: Iterable[str]) -> set[str]:
@@ -384,17 +350,15 @@ def _asked_columns(columns: Iterable[str]) -> set[str]:
 
 
 def _renamed_columns_of_header(
-    header: Sequence[str], columns: Iterable[str]
+    header: Sequence[str], vocabulary: Vocabulary
 ) -> Iterator[tuple[int, str, float]]:
     """Columns that a header names in words or with another unit.
 
     Yields their numbers in the header, their own names, and the size of the unit.
     """
-    asked = _asked_columns(columns)
-    for column_index, name in enumerate(header):
-        own, size = _column_and_unit_size(name)
-        if name not in asked and own in asked - {*header} and size:
-            yield column_index, own, size
+    for column in vocabulary.columns(header):
+        if column.quantity not in header and column.size:
+            yield column.column_index, column.quantity, column.size
 
 
 def normalise_points(
@@ -411,7 +375,10 @@ def normalise_points(
     """
     names = list(map(str, points))
     renamed = {
-        names[k]: (own, size) for k, own, size in _renamed_columns_of_header(names, FACTOR_COLUMNS)
+        names[k]: (own, size)
+        for k, own, size in _renamed_columns_of_header(
+            names, SceneVocabulary(_asked_columns(FACTOR_COLUMNS))
+        )
     }
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
@@ -439,31 +406,6 @@ def _columns_text(columns: Sequence[str], optional: Collection[str]) -> str:
         offered.append(f"a position ({POSITION_FORMS})")
     parts = {"": needed, "it may have ": offered}
     return "; ".join(f"{start}{', '.join(names)}" for start, names in parts.items() if names)
-
-
-def _column_and_unit_size(cell: str) -> tuple[str, float | None]:
-    """The column that a header's cell names, and the size of its unit; None of one without."""
-    for words, unit in possible_words_and_units(cell, KNOWN_UNIT_NAMES):
-        named = [word for word in words if word not in UNCERTAINTY_WORDS]
-        text = " ".join(named).removesuffix(" standard")
-        columns = {
-            COLUMN_OF_WORDS.get(word) for word in ([text] if text in COLUMN_OF_WORDS else named)
-        }
-        if len(columns) == 1 and (own := columns.pop()):
-            stem, _, base = own.rpartition("_")
-            name = f"{stem}_uncertainty_{base}" if named != words else own
-            return name, UNIT_SIZES_OF_BASE_UNIT[base].get(unit)
-    return cell, None
-
-
-def _with_decimal_points(cells: pd.Series, *, place: str) -> pd.Series:
-    """Cells of which the numbers have no decimal commas; both signs in a column are invalid."""
-    commas = cells.str.fullmatch(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
-    points = cells.str.fullmatch(r"[-+]?\d*\.\d+(?:[eE][-+]?\d+)?")
-    if commas.any() and points.any():
-        (line, one), (_, other) = next(cells[points].items()), next(cells[commas].items())
-        raise InputError(f"{place}: a point in {one!r} (line {line}), and a comma in {other!r}")
-    return cells.where(~commas, cells.str.replace(",", "."))
 
 
 def _cell_in_si(cell: str, size: float) -> str:
@@ -494,16 +436,6 @@ def _read_parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFr
     before = sum(row_counts[: groups[0]]) if len(groups) else 0
     rows_read = read.slice(asked.start - before, len(asked)).to_pandas()
     return rows_read, [row + 1 for row in asked]
-
-
-def number_of_cell(cell: Any) -> float:
-    """The number in a cell; NaN where there is none, as in True or 1_000, which Python reads."""
-    if "_" in cell if isinstance(cell, str) else isinstance(cell, bool | np.bool_):
-        return nan
-    try:
-        return float(cell)
-    except (TypeError, ValueError):
-        return nan
 
 
 def _check_header(
@@ -539,10 +471,10 @@ def _check_header(
         beside = unregistered_columns(beside)
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
-        beside = [name for name in beside if _column_and_unit_size(name)[0] in factors]
+        beside = [name for name in beside if column_and_unit(name)[0] in factors]
     problems = []
     for name in beside:
-        own, _ = _column_and_unit_size(name)
+        own, *_ = column_and_unit(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
             units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES_OF_BASE_UNIT[base])

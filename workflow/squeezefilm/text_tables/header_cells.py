@@ -4,9 +4,13 @@
 is the only place that takes them apart: what words mean is up to each kind of table.
 """
 
+import csv
 import re
 import unicodedata
 from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from squeezefilm.files import read_text
 
 UNIT_OF_NAME = {
     name: unit
@@ -70,3 +74,10 @@ def possible_words_and_units(cell: str, units: Collection[str]) -> Iterator[tupl
     ]
     for words, unit in (*known, (name, ""), *bracket, *ends[-1:]):
         yield [word for word in WORD_SEPARATOR_PATTERN.split(words) if word], unit
+
+
+def words_of_file(name: str) -> dict[str, list[str]]:
+    """The words of each meaning in a list of words, without accents."""
+    text = read_text(Path(__file__).with_name(name), what="list of words")
+    rows = csv.reader(text.splitlines()[1:])
+    return {meaning: fold_accents(words).split(";") for meaning, words in rows}

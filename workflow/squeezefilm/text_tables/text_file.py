@@ -14,19 +14,25 @@ from pathlib import Path
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_bytes, read_text
-from squeezefilm.film.measured.arrays import (
+from squeezefilm.text_tables.arrays import (
     ARRAY_SUFFIXES,
     arrays_as_table_lines,
     matrix_as_table_lines,
 )
-from squeezefilm.film.measured.columns import WORDS_OF_MEANING
+from squeezefilm.text_tables.header_cells import words_of_file
 
 FOREIGN_FILES = [
     *csv.DictReader(
         read_text(Path(__file__).with_name("foreign_files.csv"), what="list of files").splitlines()
     )
 ]
-ASIAN_WORDS = [word for words in WORDS_OF_MEANING.values() for word in words if word >= "\u3000"]
+ASIAN_WORDS = [
+    word
+    for name in ("scan_words.csv", "scene_words.csv")
+    for words in words_of_file(name).values()
+    for word in words
+    if word >= "\u3000"
+]
 MARKDOWN_RULE_PATTERN = re.compile(r"\s*\|?(?:\s*:?-+:?\s*\|)+(?:\s*:?-+:?)?\s*")
 """The line below the header of a table of Markdown: ``| ---: | :---: |``."""
 MAC_ROMAN_PATTERN = re.compile(rb"\W\xa1\W|[a-z][\x8a\x8e\x8f\x9a\x9f]")
