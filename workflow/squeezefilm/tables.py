@@ -32,7 +32,7 @@ from squeezefilm.film.positions import (
 )
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
-from squeezefilm.text_tables.cells import number_of_cell, number_texts, without_units_and_thousands
+from squeezefilm.text_tables.cells import number_of_cell, number_text, without_units_and_thousands
 from squeezefilm.text_tables.header import (
     COMMENT_PATTERN,
     ROW_NAMES,
@@ -46,7 +46,6 @@ from squeezefilm.text_tables.scene_header import (
     SceneVocabulary,
     column_and_unit,
 )
-from squeezefilm.text_tables.text_file import read_table_lines
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR_COLUMNS)
 """Here and below, positions are named in polar form; columns_as_in takes a table's own names."""
@@ -288,6 +287,8 @@ def _read_rows(
 def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
 ) -> tuple[pd.DataFrame, list[int]]:
+    from squeezefilm.text_tables.text_file import read_table_lines  # as long as a small film
+
     vocabulary = SceneVocabulary(_asked_columns(columns))
     with prefix_errors(path):
         lines, _ = read_table_lines(path, what="table", form=required)
@@ -323,18 +324,19 @@ def _columns_in_si(table: pd.DataFrame, vocabulary: Vocabulary, separator: str) 
     renamed = {at: (own, size) for at, own, size in _renamed_columns_of_header(header, vocabulary)}
     own_names = [renamed.get(at, (name, 1.0))[0] for at, name in enumerate(header)]
     units = {each.column_index: each.unit for each in vocabulary.columns(header)}
+    columns = [table.iloc[:, at] for at in range(len(header))]
     numbers = [
         at
         for at, name in enumerate(own_names)
         if name not in TEXT_COLUMNS and (at in units or name in COLUMNS)
     ]
     plain = without_units_and_thousands(
-        [(header[at], units.get(at, ""), table.iloc[:, at]) for at in numbers], separator
+        [(header[at], units.get(at, ""), columns[at]) for at in numbers], separator
     )
-    columns = [table.iloc[:, at] for at in range(len(header))]
     for at, cells in zip(numbers, plain, strict=True):
         _, size = renamed.get(at, ("", 1.0))
-        columns[at] = number_texts(cells).map(partial(_cell_in_si, size=size))
+        if size != 1 or cells is not columns[at]:
+            columns[at] = cells.map(number_text).map(partial(_cell_in_si, size=size))
     table = pd.concat(columns, axis=1).set_axis(own_names, axis=1)
     table.attrs = dict(zip(own_names, header, strict=True))
     return table

@@ -57,10 +57,10 @@ def matrix_as_table_lines(lines: Sequence[str]) -> tuple[list[str], list[str]]:
     (width, x_unit), (height, y_unit) = (
         (float(size[1].replace(",", ".")), size[2]) for size in sizes if size
     )
-    columns = len(rows[0])
+    columns, sign = len(rows[0]), "," if any("," in line for line in body) else "."
     table = [f"x [{x_unit}]\ty [{y_unit}]\tamplitude [{stated['value units']}]"]
     table += [
-        f"{width * (column + 0.5) / columns:.9g}\t{height * y:.9g}\t{cell}"
+        f"{width * (column + 0.5) / columns:.9g}\t{height * y:.9g}\t".replace(".", sign) + cell
         for y, cells in zip(1 - (np.arange(len(rows)) + 0.5) / len(rows), rows, strict=True)
         for column, cell in enumerate(cells)
     ]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from math import nan
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,10 @@ MISSING_PATTERN = re.compile(
     re.IGNORECASE,
 )
 NUMBER_WITH_UNIT_PATTERN = re.compile(r"([-+\u2212]?[\d.,]+(?:[eE][-+]?\d+)?)\s*([^\d\s.,].*)")
+
+SIGNS_OF_PYTHON = str.maketrans({",": ".", "\u2212": "-", "\u2013": "-"})
+FORTRAN_EXPONENT_PATTERN = re.compile(r"(?<=[\d.])[dD](?=[-+]?\d)")
+POINT_BEFORE_THREE_DIGITS_PATTERN = re.compile(r"[-+]?[1-9]\d{0,2}(?:\.\d{3})+")
 
 
 def unit_behind_number(cell: str) -> str:
@@ -46,18 +50,19 @@ def number_of_cell(cell: Any) -> float:
         return nan
 
 
-def number_texts(cells: pd.Series) -> pd.Series:
-    """Cells with the signs of a number that Python reads: ``1,2D-06`` is ``1.2e-06``."""
-    return (
-        cells.str.replace(",", ".")
-        .str.replace("[\u2212\u2013]", "-", regex=True)
-        .str.replace(r"(?<=[\d.])[dD](?=[-+]?\d)", "e", regex=True)
-    )
+def number_text(cell: str) -> str:
+    """A cell with the signs of a number that Python reads: ``1,2D-06`` is ``1.2e-06``."""
+    return FORTRAN_EXPONENT_PATTERN.sub("e", cell.translate(SIGNS_OF_PYTHON))
+
+
+def is_number(cell: str) -> bool:
+    """Tell whether a cell is a number with a decimal point or comma."""
+    return not isnan(number_of_cell(number_text(cell)))
 
 
 def parse_numbers(cells: pd.Series) -> pd.Series:
     """Numbers of cells, with decimal points or commas, also ``1.2D-06``; NaN of others."""
-    return pd.to_numeric(number_texts(cells), errors="coerce").astype(float)
+    return pd.to_numeric(cells.map(number_text), errors="coerce").astype(float)
 
 
 def without_units_and_thousands(
@@ -73,6 +78,8 @@ def without_units_and_thousands(
         InputError: where commas and points are both decimal signs, naming a cell with each, and
             where a sign is either a decimal one or between thousands.
     """
+    if _are_plain([cell for _, _, written in columns for cell in written]):
+        return [written for _, _, written in columns]
     plain, signs = [], dict[str, tuple[str, int, str]]()
     for name, unit, written in columns:
         cells = written.str.replace("*^", "e", regex=False)
@@ -99,6 +106,13 @@ def without_units_and_thousands(
                 f"{whole} if the sign is between thousands; else write numbers with decimal points"
             )
     return plain
+
+
+def _are_plain(cells: Sequence[str]) -> bool:
+    """Tell whether cells are numbers as Python reads them, with points that are decimal ones."""
+    pointed = (cell for cell in cells if "." in cell)
+    are_decimal = any(not POINT_BEFORE_THREE_DIGITS_PATTERN.fullmatch(cell) for cell in pointed)
+    return are_decimal and not any(map(isnan, map(number_of_cell, cells)))
 
 
 def _may_be_thousands(columns: Sequence[pd.Series], sign: str, separator: str) -> bool:

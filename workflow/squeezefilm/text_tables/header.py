@@ -11,10 +11,10 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, zip_longest
+from typing import Any
 
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.lazy import pd
-from squeezefilm.text_tables.cells import parse_numbers, unit_behind_number
+from squeezefilm.text_tables.cells import is_number, unit_behind_number
 from squeezefilm.text_tables.header_cells import normalised_unit
 
 COMMENT_PATTERN = re.compile(r"\A\s*[#%!][#%!\s]*")
@@ -157,8 +157,8 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
             ):
                 cells = [ROW_NAMES, *cells]
             alike = len(cells) == len(row)
-            values = parse_numbers(pd.Series([cell for cell in row if cell], dtype=object))
-            numbers = len(values) > 1 and not values.isna().any()
+            values = [cell for cell in row if cell]
+            numbers = len(values) > 1 and all(map(is_number, values))
             if len(known) >= MIN_HEADER_QUANTITIES - (alike and numbers and at > 0):
                 key = (numbers, alike, len(known))
                 candidates.setdefault(key, (index, cells, between, len(row)))
@@ -193,7 +193,7 @@ def _rows_have_names(rows: Sequence[str], separator: str, *, are_in_plane: bool)
     cells = [each for each in cells if len(each) == len(cells[0])]
     names = [each[0] for each in cells]
     are_quoted = all(re.match(r'\s*"[^"]*"[^"\w]*\d', row) for row in rows[: len(cells)])
-    are_words = parse_numbers(pd.Series(names, dtype=object)).isna().all()
+    are_words = not any(map(is_number, names))
     start = int(names[0]) if names[0] in ("0", "1") else -1
     are_counted = names == [str(start + at) for at in range(len(names))]
     return bool(are_quoted or are_words or (are_counted and are_in_plane))
@@ -202,8 +202,7 @@ def _rows_have_names(rows: Sequence[str], separator: str, *, are_in_plane: bool)
 def _line_above_numbers(rows: Sequence[str]) -> int:
     """The index of the line of words right above the first row of numbers; 0 if there is none."""
     for index, (above, row) in enumerate(pairwise(rows)):
-        cells = pd.Series(re.split(r"[\s;,|]+", row.strip()), dtype=object)
-        if parse_numbers(cells).notna().sum() > 1:
+        if sum(map(is_number, re.split(r"[\s;,|]+", row.strip()))) > 1:
             return index if re.match(r"[^\W\d]", above.strip()) else 0
     return 0
 
@@ -296,26 +295,27 @@ def rows_of_lines(
 ) -> list[tuple[int, list[str]]]:
     """The rows of lines without those that are blank: each row's line in the file, and its cells.
 
+    A cell in quotes may go over several lines; where quotes do not end, each line is a row.
+
     Args:
         start: how many lines the file has above these.
-
-    Raises:
-        InputError: for quotes that do not end.
     """
     if separator == BLANK_SEPARATOR:
         lines = [" ".join(line.split()) for line in lines]
     if are_uncertain := any("±" in line or "+/-" in line for line in lines):
         lines = [UNCERTAINTY_PATTERN.sub("±", line) for line in lines]
-    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=len(lines) > 1)
-    rows = []
+    how: dict[str, Any] = {"delimiter": separator, "skipinitialspace": True}
+    reader = csv.reader(lines, strict=True, **how)
     try:
-        for row in reader:
-            cells = [cell.strip() for cell in row]
-            if are_uncertain:
-                cells = [re.sub(r"(?<=\d)±[\d.,]+(?:[eE][-+]?\d+)?", "", cell) for cell in cells]
-            if any(cells):
-                rows.append((start + reader.line_num, cells))
-    except csv.Error as error:
-        first = lines[max(reader.line_num, 1) - 1][:60]
-        raise InputError(f"line {start + reader.line_num}: {first!r}: {error}") from None
+        records = [(start + reader.line_num, cells) for cells in reader]
+    except csv.Error:
+        parts = (next(csv.reader([line], **how), []) for line in lines)
+        records = [*enumerate(parts, start=start + 1)]
+    rows = []
+    for number, record in records:
+        cells = [cell.strip() for cell in record]
+        if are_uncertain:
+            cells = [re.sub(r"(?<=\d)±[\d.,]+(?:[eE][-+]?\d+)?", "", cell) for cell in cells]
+        if any(cells):
+            rows.append((number, cells))
     return rows
