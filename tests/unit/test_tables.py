@@ -126,7 +126,7 @@ WRONG = {
     "a direction alone": ("h0_m,hv_m,phi_deg\n5e-6,1e-6,1\n", "column 'phi_r_m' is missing"),
     "two decimal signs": (
         "h0_m;hv_m\n5e-6;0.000001\n5e-6;0,000001\n",
-        "a point in '0.000001' (hv_m, line 2), and a comma in '0,000001' (hv_m, line 3)",
+        "line 2: hv_m has a point in '0.000001', and line 3: hv_m a comma in '0,000001'",
     ),
     "a column twice": ("h0_m,hv_m,h0_m\n5e-6,1e-6,5e-6\n", "column 'h0_m' stands twice"),
     "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "unknown column 'x_m'; a position is"),

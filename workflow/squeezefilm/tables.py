@@ -32,16 +32,24 @@ from squeezefilm.film.positions import (
 )
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
-from squeezefilm.text_tables.cells import number_of_cell, number_text, without_units_and_thousands
+from squeezefilm.text_tables.cells import (
+    is_number,
+    number_of_cell,
+    number_text,
+    without_units_and_thousands,
+)
 from squeezefilm.text_tables.header import (
     COMMENT_PATTERN,
     ROW_NAMES,
     Vocabulary,
     find_header,
+    no_header_text,
     rows_of_lines,
 )
+from squeezefilm.text_tables.header_cells import possible_words_and_units
 from squeezefilm.text_tables.scene_header import (
     COLUMN_OF_WORDS,
+    SIZE_OF_UNIT,
     UNIT_SIZES_OF_BASE_UNIT,
     SceneVocabulary,
     column_and_unit,
@@ -228,8 +236,9 @@ def _read_table(
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             called = table.attrs.get(name, name)
             problem = f"{called} is {cells[row]!r}, not a finite number"
+            own = "; write its uncertainty into a column of its own" * ("±" in str(cells[row]))
             why = "" if statuses is None else f"; its status is {statuses.iloc[row]!r}"
-            problems.append((row, problem + why))
+            problems.append((row, problem + own + why))
         for row in np.flatnonzero(
             (values <= 0) & (name in MEASUREMENT_UNCERTAINTY_COLUMNS)
         ).tolist():
@@ -294,6 +303,8 @@ def _read_csv_rows(
         lines, _ = read_table_lines(path, what="table", form=required)
         header = find_header(lines, vocabulary, what="table", form=required)
         rows = rows_of_lines(lines[header.first_row :], header.separator, start=header.first_row)
+        if not header.is_known and any(map(is_number, header.names)):
+            raise InputError(no_header_text(header, lines, form=required))
     names = [*header.names]
     if names[0] in ("", ROW_NAMES) and "point_id" not in names:  # as pandas writes rows' names
         names[0] = "point_id"
@@ -303,13 +314,13 @@ def _read_csv_rows(
             del cells[width:]
     # A row's name may begin with the sign.
     rows = [row for row in rows if len(row[1]) == width or not COMMENT_PATTERN.match(row[1][0])]
-    raise_row_problems(
-        [
-            f"{path}: line {line}: {len(cells)} cells where the header has {width}"
-            for line, cells in rows
-            if len(cells) != width
-        ]
-    )
+    problems = [
+        f"{path}: line {line}: {len(cells)} cells where the header has {width}"
+        for line, cells in rows
+        if len(cells) != width
+    ]
+    raise_row_problems(problems if header.is_known else [])
+    rows = [] if problems else rows  # then a message on the columns comes first
     numbers = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], numbers, names[:width], dtype="str")
     with prefix_errors(path):
@@ -500,10 +511,13 @@ def _nearest_column(name: str, columns: Collection[str]) -> str:
     named = [each for each in words if each in (first, *others)]
     begun = [each for each in words if len(first) > 2 and each.startswith(first)]
     close = named or begun or difflib.get_close_matches(first, words, n=1)
-    if not close:
-        return ""
-    own = COLUMN_OF_WORDS[close[0]]
-    return repr(own) + ", zero to peak" * (own == "hv_m")
+    _, unit = next(possible_words_and_units(name, SIZE_OF_UNIT))
+    of_unit = [
+        each for each in columns if unit in UNIT_SIZES_OF_BASE_UNIT.get(each.rpartition("_")[2], {})
+    ]
+    own = COLUMN_OF_WORDS[close[0]] if close else of_unit[0] if len(of_unit) == 1 else ""
+    kind = ", zero to peak" if own == "hv_m" else ", the standard one" * ("uncertainty" in own)
+    return own and repr(own) + kind
 
 
 def read_columns(

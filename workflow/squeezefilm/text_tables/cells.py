@@ -40,6 +40,11 @@ def is_missing(cell: str) -> bool:
     return bool(MISSING_PATTERN.fullmatch(cell.strip()))
 
 
+def without_uncertainty(cell: str) -> str:
+    """A cell such as ``1.5±0.1`` without what is behind the sign."""
+    return re.sub(r"(?<=\d)±[\d.,]+(?:[eE][-+]?\d+)?", "", cell)
+
+
 def number_of_cell(cell: Any) -> float:
     """The number in a cell; NaN where there is none, as in True or 1_000, which Python reads."""
     if "_" in cell if isinstance(cell, str) else isinstance(cell, bool | np.bool_):
@@ -78,7 +83,7 @@ def without_units_and_thousands(
         InputError: where commas and points are both decimal signs, naming a cell with each, and
             where a sign is either a decimal one or between thousands.
     """
-    if _are_plain([cell for _, _, written in columns for cell in written]):
+    if _are_plain([cell for _, _, written in columns for cell in written.tolist()]):
         return [written for _, _, written in columns]
     plain, signs = [], dict[str, tuple[str, int, str]]()
     for name, unit, written in columns:
@@ -95,8 +100,8 @@ def without_units_and_thousands(
     if len(signs) == 2:
         (name, line, cell), (other_name, other_line, other) = signs["."], signs[","]
         raise InputError(
-            f"a point in {cell!r} ({name}, line {line}), and a comma in {other!r} ({other_name}, "
-            f"line {other_line}); one of them must be the decimal sign of all columns"
+            f"line {line}: {name} has a point in {cell!r}, and line {other_line}: {other_name} a "
+            f"comma in {other!r}; one of them must be the decimal sign of all columns"
         )
     for sign, (name, line, cell) in signs.items():
         if _may_be_thousands(plain, sign, separator):
@@ -110,9 +115,9 @@ def without_units_and_thousands(
 
 def _are_plain(cells: Sequence[str]) -> bool:
     """Tell whether cells are numbers as Python reads them, with points that are decimal ones."""
-    pointed = (cell for cell in cells if "." in cell)
-    are_decimal = any(not POINT_BEFORE_THREE_DIGITS_PATTERN.fullmatch(cell) for cell in pointed)
-    return are_decimal and not any(map(isnan, map(number_of_cell, cells)))
+    pointed = [cell for cell in cells if "." in cell]
+    are_grouped = bool(pointed) and all(map(POINT_BEFORE_THREE_DIGITS_PATTERN.fullmatch, pointed))
+    return not are_grouped and not any(map(isnan, map(number_of_cell, cells)))
 
 
 def _may_be_thousands(columns: Sequence[pd.Series], sign: str, separator: str) -> bool:

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import csv
 import re
+from bisect import bisect
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from itertools import pairwise, zip_longest
+from itertools import zip_longest
 from typing import Any
 
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.text_tables.cells import is_number, unit_behind_number
+from squeezefilm.text_tables.cells import is_number, unit_behind_number, without_uncertainty
 from squeezefilm.text_tables.header_cells import normalised_unit
 
 COMMENT_PATTERN = re.compile(r"\A\s*[#%!][#%!\s]*")
@@ -33,7 +34,6 @@ ROW_NAMES = "row names"
 MAX_LINES_ABOVE_HEADER, MIN_HEADER_QUANTITIES = 100, 2
 LENGTH_UNIT_PATTERN = re.compile(r"(?:length unit|längeneinheit|unité de longueur)\W+(\w+)", re.I)
 """How a program says, above the header, in which unit places are."""
-LABVIEW_UNIT_LINE_PREFIX = "Y_Unit_Label"
 # A row of numbers, or one that begins with a word, such as a part's name.
 NUMBER_ROW_PATTERN = re.compile(r"(?![^\W\d_]{2}|[-=*_]{3})")
 NAMED_ROW_PATTERN = re.compile(r".*[\s,;][-+]?\d")
@@ -117,11 +117,13 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
     plain = [index for index in filled if not COMMENT_PATTERN.match(lines[index])]
     if not plain:
         raise InputError(f"the {what} is empty; it needs {form}")
-    comments = [index for index in filled if index < plain[0]]
+    are_numbers = (sum(map(is_number, re.split(r"[\s;,]+", lines[index]))) > 1 for index in plain)
+    first_row = next((at for at, row in enumerate(are_numbers) if row), 0)
+    comments = [index for index in filled if index < plain[first_row] and index not in plain]
     candidates: dict[tuple[bool, bool, int], tuple[int, list[str], str, int]] = {}
     for at, index in (
         *enumerate(plain[:MAX_LINES_ABOVE_HEADER], start=1),
-        *((0, index) for index in comments[-MAX_LINES_ABOVE_HEADER:]),
+        *((bisect(plain, index), index) for index in comments[-MAX_LINES_ABOVE_HEADER:]),
     ):
         line = COMMENT_PATTERN.sub("", lines[index], count=1)
         rows = [lines[row] for row in plain[at : at + MAX_TITLE_LINES]]
@@ -141,10 +143,19 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
                 BETWEEN_NAMES_PATTERN.split(line.strip()) if names else split_cells(line, separator)
             )
             known = vocabulary.quantities(cells)
-            if not known:
+            if not known or 2 * sum(map(is_number, cells)) > len(cells):
                 continue
             row = split_cells(below, between)
             if between == BLANK_SEPARATOR and len(row) == 1:
+                continue
+            if (
+                between == BLANK_SEPARATOR
+                and len(cells) != len(row)
+                and any(
+                    1 < len(split_cells(line, sign)) == len(split_cells(below, sign))
+                    for sign in SEPARATORS[:3]
+                )
+            ):  # its names have blanks
                 continue
             if (
                 len(row) == len(cells) + 1
@@ -157,13 +168,14 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
             ):
                 cells = [ROW_NAMES, *cells]
             alike = len(cells) == len(row)
-            values = [cell for cell in row if cell]
+            values = [without_uncertainty(cell) for cell in row if cell]
             numbers = len(values) > 1 and all(map(is_number, values))
-            if len(known) >= MIN_HEADER_QUANTITIES - (alike and numbers and at > 0):
+            if len(known) >= MIN_HEADER_QUANTITIES - (alike and numbers and index in plain):
                 key = (numbers, alike, len(known))
                 candidates.setdefault(key, (index, cells, between, len(row)))
     if not candidates:
-        at = _line_above_numbers([lines[row] for row in plain])
+        above = max(first_row - 1, 0)
+        at = above if re.match(r"\s*[^\W\d]", lines[plain[above]]) else 0
         line = lines[plain[at]]
         separator = max(SEPARATORS[:3], key=line.count)
         separator = separator if separator in line else BLANK_SEPARATOR
@@ -184,6 +196,12 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
     return Header(names, between, index, first_row, True)
 
 
+def no_header_text(header: Header, lines: Sequence[str], *, form: str) -> str:
+    """The message on a table whose columns no line names, with the line that may be meant."""
+    line = lines[header.line].strip()[:60]
+    return f"line {header.line + 1}: no header names the columns: {line!r}; give {form}"
+
+
 def _rows_have_names(rows: Sequence[str], separator: str, *, are_in_plane: bool) -> bool:
     """Tell whether rows begin with names that the header does not count, as R and pandas do.
 
@@ -197,14 +215,6 @@ def _rows_have_names(rows: Sequence[str], separator: str, *, are_in_plane: bool)
     start = int(names[0]) if names[0] in ("0", "1") else -1
     are_counted = names == [str(start + at) for at in range(len(names))]
     return bool(are_quoted or are_words or (are_counted and are_in_plane))
-
-
-def _line_above_numbers(rows: Sequence[str]) -> int:
-    """The index of the line of words right above the first row of numbers; 0 if there is none."""
-    for index, (above, row) in enumerate(pairwise(rows)):
-        if sum(map(is_number, re.split(r"[\s;,|]+", row.strip()))) > 1:
-            return index if re.match(r"[^\W\d]", above.strip()) else 0
-    return 0
 
 
 def _names_with_units(
@@ -225,10 +235,12 @@ def _names_with_units(
             else name
             for name, cell in zip(names, cells, strict=True)
         ]
-    for line in lines[:index]:
-        if line.startswith(LABVIEW_UNIT_LINE_PREFIX):
-            cells = ["", *split_cells(line, separator)[1:]]
-            names = _names_with_unit_line(names, cells, vocabulary) or names
+    for line in lines[:index] if separator != BLANK_SEPARATOR else ():  # blanks are in titles
+        label, *cells = split_cells(COMMENT_PATTERN.sub("", line, count=1), separator)
+        sizes = [vocabulary.size_of_unit(cell.strip(" []()")) for cell in cells if cell]
+        if 1 < len(sizes) > 2 * sizes.count(None):
+            label = "" if vocabulary.size_of_unit(label.strip(" []()")) is None else label
+            names = _names_with_unit_line(names, [label, *cells], vocabulary) or names
     units = {
         normalised_unit(match[1])
         for line in lines[:index]
@@ -302,7 +314,7 @@ def rows_of_lines(
     """
     if separator == BLANK_SEPARATOR:
         lines = [" ".join(line.split()) for line in lines]
-    if are_uncertain := any("±" in line or "+/-" in line for line in lines):
+    if any("±" in line or "+/-" in line for line in lines):
         lines = [UNCERTAINTY_PATTERN.sub("±", line) for line in lines]
     how: dict[str, Any] = {"delimiter": separator, "skipinitialspace": True}
     reader = csv.reader(lines, strict=True, **how)
@@ -314,8 +326,6 @@ def rows_of_lines(
     rows = []
     for number, record in records:
         cells = [cell.strip() for cell in record]
-        if are_uncertain:
-            cells = [re.sub(r"(?<=\d)±[\d.,]+(?:[eE][-+]?\d+)?", "", cell) for cell in cells]
         if any(cells):
             rows.append((number, cells))
     return rows

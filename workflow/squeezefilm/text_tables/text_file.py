@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import html
 import io
 import re
 from pathlib import Path
@@ -19,22 +20,29 @@ from squeezefilm.text_tables.arrays import (
     arrays_as_table_lines,
     matrix_as_table_lines,
 )
-from squeezefilm.text_tables.header_cells import words_of_file
+from squeezefilm.text_tables.header_cells import fold_accents, words_of_file
 
 FOREIGN_FILES = [
     *csv.DictReader(
         read_text(Path(__file__).with_name("foreign_files.csv"), what="list of files").splitlines()
     )
 ]
-ASIAN_WORDS = [
+WORDS_OF_OTHER_ALPHABETS = [
     word
     for name in ("scan_words.csv", "scene_words.csv")
     for words in words_of_file(name).values()
     for word in words
-    if word >= "\u3000"
+    if len(word) > 1 and max(word) > "\u00ff"
 ]
-MARKDOWN_RULE_PATTERN = re.compile(r"\s*\|?(?:\s*:?-+:?\s*\|)+(?:\s*:?-+:?)?\s*")
-"""The line below the header of a table of Markdown: ``| ---: | :---: |``."""
+"""Words that an encoding of one byte a letter has only if it is that of the file."""
+ENCODINGS = ("cp932", "gb18030", "cp949", "cp1251", "cp1250")
+BARRED_ROW_PATTERN = re.compile(r"\d[\s$]*[|│&][\s$]*[-+.\d]")
+NUMBER_ROW_PATTERN = re.compile(r"[\s|│$]*[-+.]?\d")
+RULE_BETWEEN_ROWS_PATTERN = re.compile(r"[\s|:+=_\-─━│├┤┼┌┐└┘┬┴╞╡╪]*|\s*\\[a-z]+\b[^&]*")
+"""``| ---: | :---: |`` in Markdown, ``+----+`` of a database, ``\\hline`` in LaTeX."""
+LATEX_SIGNS = {"$": "", "\\mu": "µ", "^\\circ": "°", "{": "", "}": ""}
+MARKUP_PATTERN = re.compile(r"\s*(?:<|\{|\[\s*[\[{\"])")
+HTML_CELL_PATTERN = re.compile(r"<t[dh][^>]*>(.*?)</t[dh]>", re.DOTALL | re.IGNORECASE)
 MAC_ROMAN_PATTERN = re.compile(rb"\W\xa1\W|[a-z][\x8a\x8e\x8f\x9a\x9f]")
 """A degree sign, or accents within words, that are signs in Latin-1 and Windows' alphabet."""
 MAX_ENCODING_CHECK_CHARACTERS, MAX_FORMAT_CHECK_CHARACTERS = 1000, 20_000
@@ -56,7 +64,7 @@ def read_table_lines(path: Path, *, what: str, form: str) -> tuple[list[str], li
 
 
 def lines_of_text(content: bytes, *, form: str) -> tuple[list[str], list[str]]:
-    """The lines of a text in whatever encoding, those of Markdown with tabs, and a note on it.
+    """The lines of a text in whatever encoding, those with bars with tabs, and a note on it.
 
     Raises InputError for the content of a file that is none of text, with the remedy.
     """
@@ -65,21 +73,51 @@ def lines_of_text(content: bytes, *, form: str) -> tuple[list[str], list[str]]:
     _reject_foreign_file("text", text[:MAX_FORMAT_CHECK_CHARACTERS])
     if text.count("\0", 0, MAX_ENCODING_CHECK_CHARACTERS) > MAX_ENCODING_CHECK_CHARACTERS / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
+    if MARKUP_PATTERN.match(text):
+        text = _rows_of_markup(text)
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
     text_lines = io.StringIO(text, newline=None).read().split("\n")
-    return _without_markdown(text_lines), notes
+    return _without_bars(text_lines), notes
 
 
-def _without_markdown(lines: list[str]) -> list[str]:
-    """Lines of a table of Markdown with tabs between cells; others as they are."""
-    if not any(map(MARKDOWN_RULE_PATTERN.fullmatch, lines)):
-        return lines
-    return [
-        ""
-        if MARKDOWN_RULE_PATTERN.fullmatch(line)
-        else "\t".join(cell.strip() for cell in line.strip(" |").split("|"))
-        for line in lines
+def _rows_of_markup(text: str) -> str:
+    """The rows of a table in HTML, or of lists or records in brackets (JSON, Mathematica), by line.
+
+    Raises InputError for another text.
+    """
+    rows = [
+        [html.unescape(re.sub("<[^>]*>", "", cell)) for cell in HTML_CELL_PATTERN.findall(row)]
+        for row in re.split("<tr", text, flags=re.IGNORECASE)[1:]
     ]
+    if not rows:
+        lists = [" ".join(row.split()) for row in re.findall(r"[\[{]([^\[\]{}]*)[\]}]", text)]
+        rows = [*csv.reader(lists, skipinitialspace=True)]
+        records = [[cell.split(": ", 1) for cell in row] for row in rows]
+        keys = [[key for key, *_ in record] for record in records]
+        if all(len(cell) == 2 for record in records for cell in record) and keys[1:] == keys[:-1]:
+            rows = [*keys[:1], *([value for _, value in record] for record in records)]
+    if len(rows) < 2 or len({*map(len, rows)}) > 1 or len(rows[0]) < 2:
+        raise InputError("no table of text; write the points as CSV")
+    return "\n".join("\t".join(map(str.strip, row)) for row in rows)
+
+
+def _without_bars(lines: list[str]) -> list[str]:
+    """Lines of a table with bars (Markdown, databases) or & (LaTeX) between cells, with tabs there.
+
+    Lines without bars among and below its rows are empty then; other tables stay as they are.
+    """
+    barred = sum(bool(BARRED_ROW_PATTERN.search(line)) for line in lines)
+    if 2 * barred <= sum(bool(NUMBER_ROW_PATTERN.match(line)) for line in lines):
+        return lines
+    first = next(at for at, line in enumerate(lines) if re.search("[|│&]", line))
+    for at, line in enumerate(lines):
+        cells = re.split("[|│&]", re.sub(r"\\\\.*", "", line).strip(" |│"))
+        if RULE_BETWEEN_ROWS_PATTERN.fullmatch(line) or (at > first and len(cells) == 1):
+            cells = []
+        lines[at] = "\t".join(map(str.strip, cells))
+        for sign, text in LATEX_SIGNS.items():
+            lines[at] = lines[at].replace(sign, text)
+    return lines
 
 
 def _reject_foreign_file(part: str, text: str) -> None:
@@ -96,10 +134,11 @@ def _decode_text(content: bytes) -> tuple[str, str]:
     if little or start.startswith(b"\xfe\xff") or start[::2].count(0) > half:
         encoding = "utf-16-le" if little else "utf-16-be"
         return content.decode(encoding, errors="replace").removeprefix("\ufeff"), encoding
-    for encoding, words in (("utf-8-sig", [""]), ("cp932", ASIAN_WORDS), ("gb18030", ASIAN_WORDS)):
+    for encoding in ("utf-8-sig", *ENCODINGS):
         with contextlib.suppress(UnicodeDecodeError):
             text = content.decode(encoding)
-            if any(word in text for word in words):
+            folded = fold_accents(text[:MAX_FORMAT_CHECK_CHARACTERS])
+            if encoding == "utf-8-sig" or any(word in folded for word in WORDS_OF_OTHER_ALPHABETS):
                 return text, encoding.removesuffix("-sig")
     encoding = "mac_roman" if MAC_ROMAN_PATTERN.search(start) else "latin-1"
     return content.decode(encoding), encoding

@@ -165,13 +165,17 @@ class ScanColumn(Column):
         return None
 
 
-def quantity_of_words(words: Sequence[str]) -> str | None:
-    """The quantity that words name; None for one that a scan does not have."""
+def quantity_of_words(words: Sequence[str], unit: str = "") -> str | None:
+    """The quantity that words name; None for one that a scan does not have.
+
+    The unit decides between two: ``in phase`` is a real part in µm and a phase in degrees.
+    """
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS_OF_MEANING["line"]} or {*words[:1]}
     if {*words} & VIBRATION_WORDS:
         core -= {*WORDS_OF_MEANING["beside_motion"]}
-    if quantity := QUANTITY_OF_WORDS.get(frozenset(words)) or QUANTITY_OF_WORDS.get(
-        frozenset(core)
+    named = [QUANTITY_OF_WORDS.get(frozenset(each)) for each in (words, core)]
+    for quantity in sorted(
+        filter(None, named), key=lambda name: unit not in UNITS_OF_QUANTITY[name]
     ):
         return quantity
     of_words = {QUANTITY_OF_WORDS.get(frozenset([word])) for word in core}
@@ -205,7 +209,7 @@ def scan_column_of_cell(name: str, column_index: int = 0) -> ScanColumn | None:
     cell = AXIS_BEHIND_WORD_PATTERN.sub(" ", cell)
     for words, unit in possible_words_and_units(cell, ALL_UNITS):
         words, ratio = _split_amplitude_factor(words)
-        quantity = quantity_of_words(words)
+        quantity = quantity_of_words(words, unit)
         if {*words} - IGNORED_WORDS == {"z"} and OMEGA_POWER_OF_UNIT.get(unit):
             quantity = "normal"
         if quantity is None:

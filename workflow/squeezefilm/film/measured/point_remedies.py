@@ -12,6 +12,7 @@ from squeezefilm.film.measured.columns import COORDINATE_UNITS
 from squeezefilm.film.measured.scan import PointRemedies
 from squeezefilm.lazy import pd
 from squeezefilm.text_tables.cells import parse_numbers
+from squeezefilm.text_tables.header import COMMENT_PATTERN
 
 # Points of a half or a quarter reach so far beyond the axis, as a share of their extent.
 MAX_PART_OVERLAP_FRACTION = 0.05
@@ -22,17 +23,9 @@ USUAL_QUANTITIES_OF_COUNT = {2: ("r", "amplitude"), 3: ("x", "y", "amplitude")}
 """The likely quantities of columns without names, by how many there are, for messages."""
 
 
-def no_header_error(
-    rows: Sequence[str], *, line: int, text: str, form: str, remedies: PointRemedies
-) -> InputError:
-    """The message on a table whose columns no line names.
-
-    Args:
-        rows: its lines that are no comments.
-        line, text: the number of the line that may be meant, and what it has.
-        form: what the table needs.
-    """
-    problem = f"line {line}: no header names the columns: {text.strip()[:60]!r}; give {form}"
+def no_header_error(problem: str, lines: Sequence[str], remedies: PointRemedies) -> InputError:
+    """The message on a table whose columns no line names, and on what its rows need."""
+    rows = [line for line in lines if line.strip(" \t,;") and not COMMENT_PATTERN.match(line)]
     if len(re.split(r"[\s;,]+", rows[-1].strip())) >= MIN_COLUMNS_TAKEN_FOR_MATRIX:
         problem += f"; or, of a matrix of amplitudes, lines above it: {MATRIX_LINES_TEXT}"
     points = _points_of_rows_without_names(rows)

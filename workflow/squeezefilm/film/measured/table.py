@@ -65,12 +65,13 @@ from squeezefilm.film.measured.table_parts import lines_of_one_table
 from squeezefilm.film.measured.validity import valid_rows
 from squeezefilm.lazy import pd
 from squeezefilm.text_tables.arrays import ARRAY_SUFFIXES
-from squeezefilm.text_tables.cells import is_missing, parse_numbers
+from squeezefilm.text_tables.cells import is_missing, parse_numbers, without_uncertainty
 from squeezefilm.text_tables.header import (
     BLANK_SEPARATOR,
     COMMENT_PATTERN,
     UNCERTAINTY_PATTERN,
     find_header,
+    no_header_text,
     rows_of_lines,
     split_cells,
 )
@@ -122,10 +123,7 @@ def read_point_table(
     found = find_header(lines, SCAN_VOCABULARY, what=what, form=form)
     index, first, header, separator = found.line, found.first_row, found.names, found.separator
     if not found.is_known:
-        plain = [line for line in lines if line.strip(" \t,;") and not COMMENT_PATTERN.match(line)]
-        raise no_header_error(
-            plain, line=index + 1, text=lines[index], form=form, remedies=remedies
-        )
+        raise no_header_error(no_header_text(found, lines, form=form), lines, remedies)
     with prefix_errors(f"line {index + 1}"):
         columns, at_frequency = select_columns(header, wanted, frequency_hz=frequency_hz)
         motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
@@ -365,7 +363,10 @@ def _table_cells(
         "" if COMMENT_PATTERN.match(line) or RULED_LINE_PATTERN.fullmatch(line) else line
         for line in lines[first:]
     ]
-    rows = dict(rows_of_lines(kept, separator, start=first))
+    rows = {
+        number: [without_uncertainty(cell) for cell in cells]
+        for number, cells in rows_of_lines(kept, separator, start=first)
+    }
     # Comments, as Origin has them above the numbers, may begin with empty cells and a number.
     first_cells = {
         number: next(filter(None, cells), "")
