@@ -10,8 +10,10 @@ import contextlib
 import csv
 import html
 import io
+import json
 import re
 from pathlib import Path
+from typing import Any
 
 from squeezefilm.errors import InputError
 from squeezefilm.files import read_bytes, read_text
@@ -74,7 +76,7 @@ def lines_of_text(content: bytes, *, form: str) -> tuple[list[str], list[str]]:
     if text.count("\0", 0, MAX_ENCODING_CHECK_CHARACTERS) > MAX_ENCODING_CHECK_CHARACTERS / 100:
         raise InputError(f"no table of text; export one as text or CSV, with {form}")
     if MARKUP_PATTERN.match(text):
-        text = _rows_of_markup(text)
+        text = _rows_of_markup(text.strip())
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
     text_lines = io.StringIO(text, newline=None).read().split("\n")
     return _without_bars(text_lines), notes
@@ -85,20 +87,21 @@ def _rows_of_markup(text: str) -> str:
 
     Raises InputError for another text.
     """
-    rows = [
+    rows: list[Any] = [
         [html.unescape(re.sub("<[^>]*>", "", cell)) for cell in HTML_CELL_PATTERN.findall(row)]
         for row in re.split("<tr", text, flags=re.IGNORECASE)[1:]
     ]
-    if not rows:
-        lists = [" ".join(row.split()) for row in re.findall(r"[\[{]([^\[\]{}]*)[\]}]", text)]
-        rows = [*csv.reader(lists, skipinitialspace=True)]
-        records = [[cell.split(": ", 1) for cell in row] for row in rows]
-        keys = [[key for key, *_ in record] for record in records]
-        if all(len(cell) == 2 for record in records for cell in record) and keys[1:] == keys[:-1]:
-            rows = [*keys[:1], *([value for _, value in record] for record in records)]
-    if len(rows) < 2 or len({*map(len, rows)}) > 1 or len(rows[0]) < 2:
+    try:
+        records = re.sub(r"\}\s*\{", "},{", text)
+        rows = rows or json.loads(records if records[:1] == "[" else f"[{records}]")
+    except ValueError:
+        lists = re.findall(r"[\[{]([^\[\]{}]*)[\]}]", text)
+        rows = [*csv.reader((" ".join(row.split()) for row in lists), skipinitialspace=True)]
+    if all(isinstance(row, dict) and row.keys() == rows[0].keys() for row in rows):
+        rows = [[*rows[0]], *([*row.values()] for row in rows)]
+    if len(rows) < 2 or {list} != {*map(type, rows)} or {len(rows[0])} != {*map(len, rows)}:
         raise InputError("no table of text; write the points as CSV")
-    return "\n".join("\t".join(map(str.strip, row)) for row in rows)
+    return "\n".join("\t".join(str(cell).strip() for cell in row) for row in rows)
 
 
 def _without_bars(lines: list[str]) -> list[str]:
