@@ -9,7 +9,7 @@ from __future__ import annotations
 import difflib
 import io
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -41,7 +41,7 @@ from squeezefilm.text_tables.cells import (
 from squeezefilm.text_tables.header import (
     COMMENT_PATTERN,
     ROW_NAMES,
-    Vocabulary,
+    Column,
     find_header,
     no_header_text,
     rows_of_lines,
@@ -328,28 +328,28 @@ def _read_csv_rows(
     return table.reset_index(drop=True), numbers
 
 
-def _columns_in_si(table: pd.DataFrame, vocabulary: Vocabulary, separator: str) -> pd.DataFrame:
+def _columns_in_si(
+    table: pd.DataFrame, vocabulary: SceneVocabulary, separator: str
+) -> pd.DataFrame:
     """Columns under their own names, their numbers as texts in SI units; ``attrs`` has the names
     that they had, for messages."""
     header = list(map(str, table))
-    renamed = {at: (own, size) for at, own, size in _renamed_columns_of_header(header, vocabulary)}
-    own_names = [renamed.get(at, (name, 1.0))[0] for at, name in enumerate(header)]
-    units = {each.column_index: each.unit for each in vocabulary.columns(header)}
-    columns = [table.iloc[:, at] for at in range(len(header))]
-    numbers = [
-        at
-        for at, name in enumerate(own_names)
-        if name not in TEXT_COLUMNS and (at in units or name in COLUMNS)
-    ]
+    known = vocabulary.sized_columns(header)
+    names = [known[at].quantity if at in known else name for at, name in enumerate(header)]
+    columns = dict(enumerate(table.iloc[:, at] for at in range(len(header))))
+    numbers = {
+        at: known.get(at, Column(name, "", 1.0, at, name))
+        for at, name in enumerate(names)
+        if name not in TEXT_COLUMNS and (at in known or name in COLUMNS)
+    }
     plain = without_units_and_thousands(
-        [(header[at], units.get(at, ""), columns[at]) for at in numbers], separator
+        [(each.name, each.unit, columns[at]) for at, each in numbers.items()], separator
     )
-    for at, cells in zip(numbers, plain, strict=True):
-        _, size = renamed.get(at, ("", 1.0))
-        if size != 1 or cells is not columns[at]:
-            columns[at] = cells.map(number_text).map(partial(_cell_in_si, size=size))
-    table = pd.concat(columns, axis=1).set_axis(own_names, axis=1)
-    table.attrs = dict(zip(own_names, header, strict=True))
+    for (at, column), cells in zip(numbers.items(), plain, strict=True):
+        if column.size != 1 or cells is not columns[at]:
+            columns[at] = cells.map(partial(_cell_in_si, size=column.size or 1.0))
+    table = pd.concat(columns, axis=1).set_axis(names, axis=1)
+    table.attrs = dict(zip(names, header, strict=True))
     return table
 
 
@@ -360,18 +360,6 @@ def _asked_columns(columns: Iterable[str]) -> set[str]:
         *columns_in_table_form(columns, ()),
         *columns_in_table_form(columns, CARTESIAN_COLUMNS),
     }
-
-
-def _renamed_columns_of_header(
-    header: Sequence[str], vocabulary: Vocabulary
-) -> Iterator[tuple[int, str, float]]:
-    """Columns that a header names in words or with another unit.
-
-    Yields their numbers in the header, their own names, and the size of the unit.
-    """
-    for column in vocabulary.columns(header):
-        if column.quantity not in header and column.size:
-            yield column.column_index, column.quantity, column.size
 
 
 def normalise_points(
@@ -387,21 +375,21 @@ def normalise_points(
     Raises InputError naming the column that is missing, not known or without its unit.
     """
     names = list(map(str, points))
+    vocabulary = SceneVocabulary(_asked_columns(FACTOR_COLUMNS))
     renamed = {
-        names[k]: (own, size)
-        for k, own, size in _renamed_columns_of_header(
-            names, SceneVocabulary(_asked_columns(FACTOR_COLUMNS))
-        )
+        each.name: each
+        for each in vocabulary.sized_columns(names).values()
+        if each.name != each.quantity
     }
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
         scaled = {
-            name: [float(f"{number_of_cell(cell) * size:.15g}") for cell in table[name]]
-            for name, (_, size) in renamed.items()
+            name: [float(f"{number_of_cell(cell) * each.size:.15g}") for cell in table[name]]
+            for name, each in renamed.items()
+            if each.size
         }
-        points = table.assign(**scaled).rename(
-            columns={name: own for name, (own, _) in renamed.items()}
-        )
+        own_names = {name: each.quantity for name, each in renamed.items()}
+        points = table.assign(**scaled).rename(columns=own_names)
     header = list(map(str, points))
     columns = columns_in_table_form(SCENE_COLUMNS, header)
     optional = [name for name in columns if name not in needed]
@@ -423,6 +411,7 @@ def _columns_text(columns: Sequence[str], optional: Collection[str]) -> str:
 
 def _cell_in_si(cell: str, size: float) -> str:
     """Return the number in a cell times the size of its unit, the cell where there is none."""
+    cell = number_text(cell)
     value = number_of_cell(cell)
     return cell if size == 1 or value != value else f"{value * size:.15g}"
 

@@ -227,35 +227,28 @@ def _names_with_units(
     if named := _names_with_unit_line(names, cells, vocabulary):
         return named, first + 1
     if len(cells) == len(names):
-        names = [
-            f"{name} [{unit}]"
-            if (unit := unit_behind_number(cell)) in vocabulary.units
-            and (own := vocabulary.column(name))
-            and not own.unit
-            else name
-            for name, cell in zip(names, cells, strict=True)
-        ]
+        units = [unit_behind_number(cell) for cell in cells]
+        names = [_name_lacking_unit(*each, vocabulary) for each in zip(names, units, strict=True)]
     for line in lines[:index] if separator != BLANK_SEPARATOR else ():  # blanks are in titles
         label, *cells = split_cells(COMMENT_PATTERN.sub("", line, count=1), separator)
         sizes = [vocabulary.size_of_unit(cell.strip(" []()")) for cell in cells if cell]
         if 1 < len(sizes) > 2 * sizes.count(None):
             label = "" if vocabulary.size_of_unit(label.strip(" []()")) is None else label
             names = _names_with_unit_line(names, [label, *cells], vocabulary) or names
-    units = {
-        normalised_unit(match[1])
-        for line in lines[:index]
-        for match in LENGTH_UNIT_PATTERN.finditer(line)
-    }
-    for unit in units & {*vocabulary.units}:
-        without_unit = {
-            column.column_index
-            for column in vocabulary.columns(names)
-            if column.quantity in vocabulary.places and not column.unit
-        }
-        names = [
-            f"{name} [{unit}]" if at in without_unit else name for at, name in enumerate(names)
-        ]
+    for line in lines[:index]:
+        for match in LENGTH_UNIT_PATTERN.finditer(line):
+            unit = normalised_unit(match[1])
+            names = [_name_lacking_unit(name, unit, vocabulary, are_places=True) for name in names]
     return names, index + 1
+
+
+def _name_lacking_unit(
+    name: str, unit: str, vocabulary: Vocabulary, *, are_places: bool = False
+) -> str:
+    """A column's name with a unit that is known, if it has none; of places alone if so asked."""
+    own = vocabulary.column(name) if unit in vocabulary.units else None
+    lacks = own and not own.unit and (own.quantity in vocabulary.places or not are_places)
+    return f"{name} [{unit}]" if lacks else name
 
 
 def _names_with_unit_line(

@@ -5,7 +5,7 @@ A column's words stand in scene_words.csv. Beside them a cell may have a word of
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 
 from squeezefilm.text_tables.header import Column, Vocabulary
 from squeezefilm.text_tables.header_cells import (
@@ -60,6 +60,14 @@ class SceneVocabulary(Vocabulary):
         if cell in self.taken:
             own, size = cell, 1.0
         return Column(own, unit, size, column_index, cell) if own in self.taken else None
+
+    def sized_columns(self, header: Sequence[str]) -> dict[int, Column]:
+        """The columns whose units are known, by their places; none in words beside that itself."""
+        return {
+            each.column_index: each
+            for each in self.columns(header)
+            if each.size and (each.name == each.quantity or each.quantity not in header)
+        }
 
     def size_of_unit(self, cell: str) -> float | None:
         return SIZE_OF_UNIT.get(normalised_unit(cell))
