@@ -81,17 +81,21 @@ def without_units_and_thousands(
 
     Raises:
         InputError: where commas and points are both decimal signs, naming a cell with each, and
-            where a sign is either a decimal one or between thousands.
+            where a sign is either a decimal one or between thousands, or units differ.
     """
     if _are_plain([cell for _, _, written in columns for cell in written.tolist()]):
         return [written for _, _, written in columns]
-    plain, signs = [], dict[str, tuple[str, int, str]]()
+    plain, signs = [], dict[str, tuple[str, object, str]]()
     for name, unit, written in columns:
         cells = written.str.replace("*^", "e", regex=False)
         if unit and any(unit_behind_number(cell) == unit for cell in cells[:1]):
-            with_unit = cells.map(unit_behind_number) == unit
-            bare = cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
-            cells = cells.mask(with_unit, bare)
+            others = cells[(cells.map(unit_behind_number) != unit) & ~cells.map(is_missing)]
+            for line, cell in others[:1].items():
+                raise InputError(
+                    f"line {line}: {name} is {cell!r}, and {cells.iloc[0]!r} above; write one unit "
+                    "into the header, and numbers without units below"
+                )
+            cells = cells.str.replace(NUMBER_WITH_UNIT_PATTERN, r"\1", regex=True)
         plain.append(_without_thousands_separators(cells))
         for sign in ".,":
             signed = plain[-1][plain[-1].str.contains(rf"\d\{sign}|\{sign}\d", regex=True)]

@@ -138,10 +138,9 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
         )
         for separator in SEPARATORS:
             between = separator.replace(WIDE_BLANK_SEPARATOR, BLANK_SEPARATOR)
-            names = separator == BLANK_SEPARATOR and '"' not in line
-            cells = (
-                BETWEEN_NAMES_PATTERN.split(line.strip()) if names else split_cells(line, separator)
-            )
+            cells = split_cells(line, separator)
+            if separator == BLANK_SEPARATOR and '"' not in line:
+                cells = BETWEEN_NAMES_PATTERN.split(line.strip())
             known = vocabulary.quantities(cells)
             if not known or 2 * sum(map(is_number, cells)) > len(cells):
                 continue
@@ -232,7 +231,7 @@ def _names_with_units(
     for line in lines[:index] if separator != BLANK_SEPARATOR else ():  # blanks are in titles
         label, *cells = split_cells(COMMENT_PATTERN.sub("", line, count=1), separator)
         sizes = [vocabulary.size_of_unit(cell.strip(" []()")) for cell in cells if cell]
-        if 1 < len(sizes) > 2 * sizes.count(None):
+        if 1 < len(sizes) > 2 * sizes.count(None) and len(cells) + 2 >= len(names):
             label = "" if vocabulary.size_of_unit(label.strip(" []()")) is None else label
             names = _names_with_unit_line(names, [label, *cells], vocabulary) or names
     for line in lines[:index]:
@@ -247,7 +246,12 @@ def _name_lacking_unit(
 ) -> str:
     """A column's name with a unit that is known, if it has none; of places alone if so asked."""
     own = vocabulary.column(name) if unit in vocabulary.units else None
-    lacks = own and not own.unit and (own.quantity in vocabulary.places or not are_places)
+    lacks = (
+        own
+        and own.size is None
+        and not own.unit
+        and (own.quantity in vocabulary.places or not are_places)
+    )
     return f"{name} [{unit}]" if lacks else name
 
 

@@ -98,8 +98,9 @@ def _rows_of_markup(text: str) -> str:
         lists = re.findall(r"[\[{]([^\[\]{}]*)[\]}]", text)
         rows = [*csv.reader((" ".join(row.split()) for row in lists), skipinitialspace=True)]
     if all(isinstance(row, dict) and row.keys() == rows[0].keys() for row in rows):
-        rows = [[*rows[0]], *([*row.values()] for row in rows)]
-    if len(rows) < 2 or {list} != {*map(type, rows)} or {len(rows[0])} != {*map(len, rows)}:
+        rows = [[*rows[0]], *([row[key] for key in rows[0]] for row in rows)]
+    are_lists = len(rows) > 1 and all(isinstance(row, list) for row in rows)
+    if not are_lists or len({*map(len, rows)}) > 1 or len(rows[0]) < 2:
         raise InputError("no table of text; write the points as CSV")
     return "\n".join("\t".join(str(cell).strip() for cell in row) for row in rows)
 
@@ -107,7 +108,7 @@ def _rows_of_markup(text: str) -> str:
 def _without_bars(lines: list[str]) -> list[str]:
     """Lines of a table with bars (Markdown, databases) or & (LaTeX) between cells, with tabs there.
 
-    Lines without bars among and below its rows are empty then; other tables stay as they are.
+    Lines of words without bars among and below its rows are empty then; others stay as they are.
     """
     barred = sum(bool(BARRED_ROW_PATTERN.search(line)) for line in lines)
     if 2 * barred <= sum(bool(NUMBER_ROW_PATTERN.match(line)) for line in lines):
@@ -115,7 +116,8 @@ def _without_bars(lines: list[str]) -> list[str]:
     first = next(at for at, line in enumerate(lines) if re.search("[|│&]", line))
     for at, line in enumerate(lines):
         cells = re.split("[|│&]", re.sub(r"\\\\.*", "", line).strip(" |│"))
-        if RULE_BETWEEN_ROWS_PATTERN.fullmatch(line) or (at > first and len(cells) == 1):
+        is_beside = at > first and len(cells) == 1 and not NUMBER_ROW_PATTERN.match(line)
+        if RULE_BETWEEN_ROWS_PATTERN.fullmatch(line) or is_beside:
             cells = []
         lines[at] = "\t".join(map(str.strip, cells))
         for sign, text in LATEX_SIGNS.items():

@@ -173,11 +173,10 @@ def quantity_of_words(words: Sequence[str], unit: str = "") -> str | None:
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS_OF_MEANING["line"]} or {*words[:1]}
     if {*words} & VIBRATION_WORDS:
         core -= {*WORDS_OF_MEANING["beside_motion"]}
-    named = [QUANTITY_OF_WORDS.get(frozenset(each)) for each in (words, core)]
-    for quantity in sorted(
-        filter(None, named), key=lambda name: unit not in UNITS_OF_QUANTITY[name]
-    ):
-        return quantity
+    sets = [each for each in (frozenset(words), frozenset(core)) if each in QUANTITY_OF_WORDS]
+    if sets:
+        named = [QUANTITY_OF_WORDS[each] for each in sets]
+        return min(named, key=lambda name: unit not in UNITS_OF_QUANTITY[name])
     of_words = {QUANTITY_OF_WORDS.get(frozenset([word])) for word in core}
     if len(of_words) == 1 and of_words != {None}:
         return of_words.pop()
@@ -196,8 +195,8 @@ def quantity_of_words(words: Sequence[str], unit: str = "") -> str | None:
         return None
     if rest and rest <= DIRECTION_WORDS:
         return "normal"
-    quantity = QUANTITY_OF_WORDS.get(rest - DIRECTION_WORDS) if rest else "amplitude"
-    return quantity if quantity in {*AMPLITUDE_UNITS, "level"} else None
+    kind = QUANTITY_OF_WORDS.get(rest - DIRECTION_WORDS) if rest else "amplitude"
+    return kind if kind in {*AMPLITUDE_UNITS, "level"} else None
 
 
 def scan_column_of_cell(name: str, column_index: int = 0) -> ScanColumn | None:

@@ -1,4 +1,4 @@
-"""What the points of a scan need that cannot be read, so that one message tells all of it."""
+"""Remedies for points of a scan that cannot be read, so that one message has all of them."""
 
 from __future__ import annotations
 
