@@ -19,7 +19,8 @@ from squeezefilm.quantities import derivatives as module
 from squeezefilm.quantities.derivatives import scene_with_quantity_changed, with_derivatives
 from squeezefilm.reynolds import solve
 from squeezefilm.solution import Derivatives
-from squeezefilm.tables import read_forces, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import read_forces
 from squeezefilm_workflow.verification.random_films import random_film
 
 

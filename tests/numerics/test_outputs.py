@@ -34,7 +34,8 @@ from squeezefilm.reynolds.grid import Grid
 from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.solution import OUTPUT_COLUMNS, Outputs
-from squeezefilm.tables import concatenate_force_parts, read_forces, write_table
+from squeezefilm.table_writer import concatenate_force_parts, write_table
+from squeezefilm.tables import read_forces
 
 ASKED = tuple(name for name in OUTPUT_COLUMNS if name in STATE_OUTPUT_NAMES)
 AREA_M2 = LENGTH_M**2

@@ -15,7 +15,7 @@ from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.dry_run import dry_run as dry_run_of
 from squeezefilm.reynolds.solver import METHODS
 from squeezefilm.studies.space import plan_table
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 
 PROFILES: tuple[Profile, ...] = (SINC, PISTON, PISTON, StandingWave(0.02, 30.0, 0.001))
 # What only solving shows.

@@ -11,8 +11,8 @@ import pytest
 
 from squeezefilm import files
 from squeezefilm.errors import InputError
-from squeezefilm.files import write_text
-from squeezefilm.tables import write_json, write_table
+from squeezefilm.files import write_json, write_text
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.reporting.figures import style
 
 TABLE = pd.DataFrame({"point_id": ["1"], "h0_m": [5e-6]})

@@ -10,7 +10,8 @@ import pytest
 
 from squeezefilm.cli.main import main, modules_by_command
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.tables import FORCE_COLUMNS, concatenate_force_parts, read_forces, write_table
+from squeezefilm.table_writer import concatenate_force_parts, write_table
+from squeezefilm.tables import FORCE_COLUMNS, read_forces
 
 COMMANDS = modules_by_command()
 

@@ -11,12 +11,12 @@ from reference_forces import FOUR_FACTOR, FOUR_FACTOR_THETA, SCREEN_THETA, TWO_F
 from squeezefilm.cli.main import main
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError
+from squeezefilm.files import read_json, write_json
 from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fit_file import amplitude_for_force
 from squeezefilm.models.force_model import check_columns_known, get_model, make_model
 from squeezefilm.studies.tasks.fits import asymptotic_forces_of_table
 from squeezefilm.studies.tasks.physics_limits import with_limit_forces
-from squeezefilm.tables import read_json, write_json
 
 THETA = {TWO_FACTOR: np.array(SCREEN_THETA), FOUR_FACTOR: np.array(FOUR_FACTOR_THETA)}
 MODELS = pytest.mark.parametrize("model", [TWO_FACTOR, FOUR_FACTOR], ids=lambda m: m.name)

@@ -9,15 +9,14 @@ import pytest
 
 from squeezefilm.columns import COLUMNS
 from squeezefilm.errors import InputError
+from squeezefilm.files import read_json
+from squeezefilm.table_writer import table_writer, write_table
 from squeezefilm.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
     read_forces,
-    read_json,
     read_ok_forces,
     read_scenes,
-    table_writer,
-    write_table,
 )
 from squeezefilm.units import quantity_and_unit_of_column, unit_size
 
@@ -64,6 +63,7 @@ GERMAN = "point_id;Spalt h0 [µm];Amplitude [µm];phi_r_m;phi_deg\n1;5,0;1,0;0,0
         f"{HEADER}\n1,5e-6,1e-6,0,0\n".replace("point_id", ""),
         GERMAN.replace(";", "\t").encode("utf-16"),
         "point_id,ギャップ(μm),振幅(μm),phi_r_m,phi_deg\n1,5,1,0,0\n".encode("cp932"),
+        "point_id,h0,hv_m,phi_r_m,phi_deg\n1,5 um,1e-6 m,0 m,0\n",
         "|point_id|h0_um|hv_um|phi_r_m|phi_deg|\n|--|--:|--:|--:|--:|\n| 1 | 5 | 1 | 0 | 0 |\n",
     ],
     ids=[
@@ -77,6 +77,7 @@ GERMAN = "point_id;Spalt h0 [µm];Amplitude [µm];phi_r_m;phi_deg\n1;5,0;1,0;0,0
             "an index of pandas",
             "its Unicode text",
             "in Japanese",
+            "units behind numbers",
             "Markdown",
         ),
     ],
@@ -125,12 +126,12 @@ WRONG = {
     "a direction alone": ("h0_m,hv_m,phi_deg\n5e-6,1e-6,1\n", "column 'phi_r_m' is missing"),
     "two decimal signs": (
         "h0_m;hv_m\n5e-6;0.000001\n5e-6;0,000001\n",
-        "hv_m: a point in '0.000001' (line 2)",
+        "line 2: hv_m has a point in '0.000001', and line 3: hv_m a comma in '0,000001'",
     ),
     "a column twice": ("h0_m,hv_m,h0_m\n5e-6,1e-6,5e-6\n", "column 'h0_m' stands twice"),
     "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "unknown column 'x_m'; a position is"),
     "text for a number": (f"{HEADER}\n1,5um,1e-6,0,0\n", "line 2: h0_m is '5um'"),
-    "text in another unit": ("point_id,h0_um,hv_m\n1,5 um,1e-6\n", "line 2: h0_um is '5 um'"),
+    "text in another unit": ("point_id,h0_um,hv_m\n1,5 nm,1e-6\n", "line 2: h0_um is '5 nm'"),
     "what begins as a column does": ("gap_um,amp_um\n5,1\n", "'amp_um' (did you mean 'hv_m', zero"),
     "several unknown columns": (
         "Nr.;Film h0 (µm);Amplitude hv pk-pk (µm);x\n1;5;2;0\n",
@@ -141,7 +142,7 @@ WRONG = {
     "infinity": (f"{HEADER}\n1,5e-6,1e-6,0,-inf\n", "line 2: phi_deg is '-inf'"),
     "a name twice": (f"{HEADER}\n{ROW}\n\n{ROW}\n", "line 4: point_id '1' stands in line 2"),
     "a spreadsheet": (b"PK\3\4", "scenes.csv: no table of text; save a spreadsheet as CSV"),
-    "blanks within names and cells": ("h0 um hv um\n5 2\n", "2 cells where the header has 4"),
+    "blanks within names and cells": ("h0 um hv um\n5 2\n", "4 names between blanks"),
     "a binary file": (bytes(range(256)), "scenes.csv"),
 }
 

@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main
+from squeezefilm.files import write_json
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.study import film_values
-from squeezefilm.tables import write_json
 
 MODEL = get_model("two_factor")
 THIN = "Kn = 67 is above 0.18 (viscous flow): the equation does not apply"

@@ -3,7 +3,8 @@
 import numpy
 import pytest
 
-from squeezefilm.tables import read_forces, read_json, read_scenes
+from squeezefilm.files import read_json
+from squeezefilm.tables import read_forces, read_scenes
 
 from .conftest import QUICK, copy_checkout, snakemake
 

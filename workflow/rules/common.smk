@@ -29,7 +29,7 @@ try:
     from squeezefilm.provenance import CODE_PATHS_OF_STAGE, code_digest
     from squeezefilm.config.loading import load_config
     from squeezefilm.config.writing import write_effective_study, write_study_file
-    from squeezefilm.tables import check_parquet_installed
+    from squeezefilm.table_writer import check_parquet_installed
     import squeezefilm_workflow
 except ImportError as error:
     refuse(

@@ -5,7 +5,8 @@ import pandas as pd
 from squeezefilm.errors import RunError
 from squeezefilm.studies.solver_settings import device_of_config, solver_settings
 from squeezefilm.studies.study import scenes_of_table
-from squeezefilm.tables import read_scenes, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import read_scenes
 from squeezefilm_workflow.job import Job, Study, run_script
 from squeezefilm_workflow.verification.ablation import ablation_table
 

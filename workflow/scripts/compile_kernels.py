@@ -1,7 +1,7 @@
 """Compile the kernels of the study and write which device they are for."""
 
 from squeezefilm.api.forces import compile_kernels
-from squeezefilm.tables import write_json
+from squeezefilm.files import write_json
 from squeezefilm_workflow.job import Job, Study, run_script
 
 

@@ -17,7 +17,8 @@ from squeezefilm.dynamics.response import gain_table, response_table
 from squeezefilm.film.scene import Scenes
 from squeezefilm.film.validity import GAP_RANGE_M
 from squeezefilm.studies.solver_settings import SolverSettings
-from squeezefilm.tables import read_scenes, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import read_scenes
 from squeezefilm_workflow.job import Job, Study, run_script
 
 MODULATION_FREQUENCIES_HZ = np.geomspace(3, 4000, 60).round(1)

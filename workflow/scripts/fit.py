@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from squeezefilm.errors import InputError
-from squeezefilm.files import file_digest
+from squeezefilm.files import file_digest, read_json, write_json
 from squeezefilm.models.data import PHYSICS_COLUMN_OF_NAME
 from squeezefilm.models.force_model import get_model
 from squeezefilm.studies.tasks.fits import (
@@ -12,7 +12,8 @@ from squeezefilm.studies.tasks.fits import (
     fit_to_forces,
     profile_uncertainty_fraction,
 )
-from squeezefilm.tables import read_forces, read_json, read_ok_forces, write_json, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import read_forces, read_ok_forces
 from squeezefilm_workflow.job import Job, Study, run_script
 
 

@@ -1,7 +1,7 @@
 """Write a table of the asymptotic forces over the study's space, or why there is none."""
 
+from squeezefilm.files import write_json
 from squeezefilm.studies.tasks.fits import limit_table_values
-from squeezefilm.tables import write_json
 from squeezefilm_workflow.job import Job, Study, run_script
 
 

@@ -1,6 +1,6 @@
 """Put the parts of a simulated plan together: every point of the plan has its force."""
 
-from squeezefilm.tables import concatenate_force_parts, merge_timings
+from squeezefilm.table_writer import concatenate_force_parts, merge_timings
 from squeezefilm_workflow.job import Job, Study, run_script
 
 

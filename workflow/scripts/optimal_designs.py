@@ -3,9 +3,10 @@
 from pathlib import Path
 
 from squeezefilm.errors import prefix_errors
+from squeezefilm.files import read_json
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
-from squeezefilm.tables import read_json, read_ok_forces, read_scenes
+from squeezefilm.tables import read_ok_forces, read_scenes
 from squeezefilm_workflow.job import Job, Study, run_script, write_outputs
 
 

@@ -1,6 +1,6 @@
 """Write the paper's tables and its claims beside ours, each with a page."""
 
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.finished import results_of_job
 from squeezefilm_workflow.job import Job, Study, run_script, write_outputs
 from squeezefilm_workflow.paper.claims import claims_with_verdicts

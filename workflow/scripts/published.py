@@ -1,7 +1,7 @@
 """Write published numbers beside exact solutions and the solver."""
 
 from squeezefilm.studies.solver_settings import device_of_config
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.job import Job, Study, run_script
 from squeezefilm_workflow.verification.published.comparison import comparison_table
 

@@ -1,6 +1,6 @@
 """Write the best model of each space, and the amplitude that it needs at each position."""
 
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.finished import results_of_job
 from squeezefilm_workflow.job import Job, Study, print_result, run_script
 from squeezefilm_workflow.reporting.models import missing_amplitude_text, recommendation_table

@@ -1,7 +1,7 @@
 """Write a verdict for each stiff or extreme film: solved, not supported or failed."""
 
 from squeezefilm.studies.solver_settings import device_of_config
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.job import Job, Study, run_script
 from squeezefilm_workflow.verification.films import CASE_SAMPLE_SLICE, cases_with_groups
 from squeezefilm_workflow.verification.stability import raise_if_film_failed, stability_table

@@ -3,9 +3,11 @@
 from itertools import product
 
 from squeezefilm.errors import prefix_errors
+from squeezefilm.files import write_json
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.fits import errors_of_fit
-from squeezefilm.tables import read_ok_forces, write_json, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import read_ok_forces
 from squeezefilm_workflow.job import Job, Study, run_script
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.solver_settings import device_of_config
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.job import Job, Study, run_script
 from squeezefilm_workflow.verification.work_precision import TIMED_FILMS, work_precision_table
 

@@ -7,10 +7,12 @@ same time do not meet. What a killed job leaves is ``.NAME.RANDOM.part``.
 
 import contextlib
 import hashlib
+import json
 import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from squeezefilm.errors import InputError
 
@@ -83,6 +85,26 @@ def write_text(text: str, path: Path | str) -> None:
     """
     with atomic_file(path) as part:
         part.write_text(text, encoding="utf-8")
+
+
+def write_json(values: dict[str, Any], path: Path | str) -> None:
+    """Write a JSON file with sorted keys, whole or not at all."""
+    write_text(json.dumps(values, indent=2, sort_keys=True, allow_nan=False) + "\n", path)
+
+
+def read_json(path: Path | str) -> dict[str, Any]:
+    """Read a JSON object.
+
+    Raises InputError when the file is missing or not a JSON object.
+    """
+    text = read_text(path, what="file")
+    try:
+        values = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}: not readable as JSON: {error}") from None
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: expected a JSON object")
+    return values
 
 
 def file_digest(path: Path) -> str:

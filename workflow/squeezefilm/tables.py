@@ -1,4 +1,4 @@
-"""The tables that pass between the stages: their columns, reading with checks, writing.
+"""The tables that pass between the stages: their columns, and reading with checks.
 
 A table is CSV, or Parquet where its file name ends in ``.parquet``: for plans so large that text
 would take longer to read than scenes to solve.
@@ -6,41 +6,54 @@ would take longer to read than scenes to solve.
 
 from __future__ import annotations
 
-import csv
 import difflib
 import io
-import json
-import os
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
-from itertools import zip_longest
-from math import nan
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from squeezefilm.columns import TEXT_COLUMNS, unregistered_columns
+from squeezefilm.columns import COLUMNS, TEXT_COLUMNS, unregistered_columns
 from squeezefilm.errors import (
     MAX_ROWS_IN_MESSAGE,
     InputError,
-    RunError,
     imports_from_extra,
     prefix_errors,
     raise_row_problems,
 )
-from squeezefilm.files import atomic_file, read_bytes, read_text, write_text
 from squeezefilm.film.positions import (
     CARTESIAN_COLUMNS,
     POLAR_COLUMNS,
     columns_in_table_form,
     fill_missing_coordinate,
 )
-from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
 from squeezefilm.lazy import pd
 from squeezefilm.solution import SOLUTION_COLUMNS
-from squeezefilm.units import unit_sizes
+from squeezefilm.text_tables.cells import (
+    is_number,
+    number_of_cell,
+    number_text,
+    without_units_and_thousands,
+)
+from squeezefilm.text_tables.header import (
+    COMMENT_PATTERN,
+    ROW_NAMES,
+    Column,
+    find_header,
+    no_header_text,
+    rows_of_lines,
+)
+from squeezefilm.text_tables.header_cells import possible_words_and_units
+from squeezefilm.text_tables.scene_header import (
+    COLUMN_OF_WORDS,
+    SIZE_OF_UNIT,
+    UNIT_SIZES_OF_BASE_UNIT,
+    SceneVocabulary,
+    column_and_unit,
+)
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR_COLUMNS)
 """Here and below, positions are named in polar form; columns_as_in takes a table's own names."""
@@ -72,10 +85,7 @@ MEASURED_COLUMNS_TEXT = (
 )
 POSITION_FORMS = f"{' and '.join(POLAR_COLUMNS)}, or {' and '.join(CARTESIAN_COLUMNS)}"
 POSITION_FORMS_TEXT = f"a position is {POSITION_FORMS}"
-PARQUET_SUFFIX, COMMENT_SIGNS, MAX_LINES_ABOVE_HEADER = ".parquet", ("#", "%", "!"), 20
-CSV_SEPARATORS, BLANK_SEPARATOR = ",;\t", " "
-UNSUPPORTED_SUFFIXES = {".xlsx", ".xls", ".ods", ".json", ".feather", ".h5", ".hdf5", ".mat", ".nc"}
-"""Names of files that are expected to hold something else than text in columns."""
+PARQUET_SUFFIX = ".parquet"
 FORCE_COLUMNS = (*SCENE_COLUMNS, *SOLUTION_COLUMNS)
 """Of forces; derivatives and outputs stand behind them."""
 OPTIONAL_FORCE_COLUMNS = {*SOLUTION_COLUMNS} - {
@@ -85,31 +95,6 @@ OPTIONAL_FORCE_COLUMNS = {*SOLUTION_COLUMNS} - {
     "absent_terms",
 }
 """Columns of forces that a table may lack."""
-_WORDS_OF_COLUMN = {
-    "h0_m": "h0;h 0;gap;mean gap;spalt;jeu;entrefer;holgura;traferro;spleet;ギャップ;间隙",
-    "hv_m": "hv;h v;amplitude;vibration amplitude;disp ampl;amplitud;ampiezza;振幅;振動振幅",
-    "x_m": "x;x position;position x;x座標",
-    "y_m": "y;y position;position y;y座標",
-    "phi_r_m": "phi r",
-    "phi_deg": "phi",
-    "force_n": "force;f;kraft;fuerza;forza;forca;kracht;力",
-}
-COLUMN_OF_WORDS = {
-    fold_accents(words): name
-    for name, several in _WORDS_OF_COLUMN.items()
-    for words in several.split(";")
-}
-"""What people call columns, each also with a word of uncertainty, and units beside it."""
-UNCERTAINTY_WORDS = {
-    *("uncertainty", "unsicherheit", "messunsicherheit", "incertitude", "incertidumbre"),
-    *("incertezza", "incerteza", "onzekerheid", "不確かさ", "不确定度"),
-}
-UNIT_SIZES_OF_BASE_UNIT = {
-    unit.lower(): {fold_accents(name): size for name, size in unit_sizes(unit).items()}
-    for unit in ("m", "deg", "N")
-}
-KNOWN_UNIT_NAMES = {name for units in UNIT_SIZES_OF_BASE_UNIT.values() for name in units}
-
 OtherColumnsPolicy = Literal["invalid", "unknown are invalid", "ignored", "kept"]
 """What becomes of columns that a table has beside those that are read; unknown are those that
 columns.csv does not have, and invalid where others are kept too."""
@@ -251,8 +236,9 @@ def _read_table(
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             called = table.attrs.get(name, name)
             problem = f"{called} is {cells[row]!r}, not a finite number"
+            own = "; write its uncertainty into a column of its own" * ("±" in str(cells[row]))
             why = "" if statuses is None else f"; its status is {statuses.iloc[row]!r}"
-            problems.append((row, problem + why))
+            problems.append((row, problem + own + why))
         for row in np.flatnonzero(
             (values <= 0) & (name in MEASUREMENT_UNCERTAINTY_COLUMNS)
         ).tolist():
@@ -310,74 +296,61 @@ def _read_rows(
 def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
 ) -> tuple[pd.DataFrame, list[int]]:
-    from squeezefilm.film.measured.text_file import lines_of_text  # as long as a small film
+    from squeezefilm.text_tables.text_file import read_table_lines  # as long as a small film
 
+    vocabulary = SceneVocabulary(_asked_columns(columns))
     with prefix_errors(path):
-        lines, _ = lines_of_text(read_bytes(path, what="table"), form=required)
-    start, separator = _find_header(lines, columns)
-    text = io.StringIO("\n".join(lines[start:]).lstrip("#%! "), newline="")
-    reader = csv.reader(text, delimiter=separator, skipinitialspace=True, strict=True)
-    try:
-        cells_of = ([cell.strip() for cell in cells] for cells in reader)
-        rows = [(start + reader.line_num, cells) for cells in cells_of if any(cells)]
-    except csv.Error as error:
-        raise InputError(f"{path}: the table cannot be read: {error}") from None
-    if not rows:
-        raise InputError(f"{path}: the table is empty; it needs {required}")
-    width = max(at for at, name in enumerate(rows[0][1], start=1) if name)
+        lines, _ = read_table_lines(path, what="table", form=required)
+        header = find_header(lines, vocabulary, what="table", form=required)
+        rows = rows_of_lines(lines[header.first_row :], header.separator, start=header.first_row)
+        if not header.is_known and any(map(is_number, header.names)):
+            raise InputError(no_header_text(header, lines, form=required))
+    names = [*header.names]
+    if names[0] in ("", ROW_NAMES) and "point_id" not in names:  # as pandas writes rows' names
+        names[0] = "point_id"
+    width = max(at for at, name in enumerate(names, start=1) if name)
     for _, cells in rows:
         if not any(cells[width:]):
             del cells[width:]
     # A row's name may begin with the sign.
-    rows = [row for row in rows if len(row[1]) == width or not row[1][0].startswith(COMMENT_SIGNS)]
-    (_, header), *rows = rows
-    if "point_id" not in header:  # pandas writes rows' names in a column without one
-        header[0] = header[0] or "point_id"
-    units = [normalised_unit(cell) for _, cells in rows[:1] for cell in cells]
-    if {*units} & KNOWN_UNIT_NAMES and {*units} <= {*KNOWN_UNIT_NAMES, ""}:
-        header = [
-            name + f" [{unit}]" * bool(unit)
-            for name, unit in zip_longest(header, units, fillvalue="")
-        ]
-        del rows[0]
-    raise_row_problems(
-        [
-            f"{path}: line {line}: {len(cells)} cells where the header has {len(header)}"
-            for line, cells in rows
-            if len(cells) != len(header)
-        ]
-    )
+    rows = [row for row in rows if len(row[1]) == width or not COMMENT_PATTERN.match(row[1][0])]
+    problems = [
+        f"{path}: line {line}: {len(cells)} cells where the header has {width}"
+        for line, cells in rows
+        if len(cells) != width
+    ]
+    raise_row_problems(problems if header.is_known else [])
+    rows = [] if problems else rows  # then a message on the columns comes first
     numbers = [line for line, _ in rows]
-    table = pd.DataFrame([cells for _, cells in rows], numbers, range(len(header)), dtype="str")
-    if separator != ",":
-        for column_index, name in enumerate(header):
-            table[column_index] = _with_decimal_points(table[column_index], place=f"{path}: {name}")
-    names = list(header)
-    for column_index, own, size in _renamed_columns_of_header(header, columns):
-        names[column_index] = own
-        table[column_index] = [_cell_in_si(cell, size) for cell in table[column_index]]
-    table = table.set_axis(names, axis=1).reset_index(drop=True)
-    table.attrs = dict(zip(names, header, strict=True))  # for messages
-    return table, numbers
+    table = pd.DataFrame([cells for _, cells in rows], numbers, names[:width], dtype="str")
+    with prefix_errors(path):
+        table = _columns_in_si(table, vocabulary, header.separator)
+    return table.reset_index(drop=True), numbers
 
 
-def _find_header(lines: Sequence[str], columns: Iterable[str]) -> tuple[int, str]:
-    """The place of the line that names columns, which may be a comment, and the separator of cells.
-
-    It is the first one that names two, or one; where none does, the first that is no comment.
-    """
-    asked = _asked_columns(columns)
-    filled = [index for index, line in enumerate(lines) if line.strip()]
-    for least in (2, 1):
-        for index in filled[:MAX_LINES_ABOVE_HEADER]:
-            separators = [each for each in CSV_SEPARATORS if each in lines[index]]
-            for separator in separators or BLANK_SEPARATOR:
-                cells = [cell.strip('" ') for cell in lines[index].strip("#%! ").split(separator)]
-                named = sum(bool({cell, _column_and_unit_size(cell)[0]} & asked) for cell in cells)
-                if named >= least:
-                    return index, separator
-    plain = next((index for index in filled if not lines[index].startswith(COMMENT_SIGNS)), 0)
-    return plain, max(CSV_SEPARATORS, key="".join(lines[plain : plain + 1]).count)
+def _columns_in_si(
+    table: pd.DataFrame, vocabulary: SceneVocabulary, separator: str
+) -> pd.DataFrame:
+    """Columns under their own names, their numbers as texts in SI units; ``attrs`` has the names
+    that they had, for messages."""
+    header = list(map(str, table))
+    known = vocabulary.sized_columns(header)
+    names = [known[at].quantity if at in known else name for at, name in enumerate(header)]
+    columns = dict(enumerate(table.iloc[:, at] for at in range(len(header))))
+    numbers = {
+        at: known.get(at, Column(name, "", 1.0, at, name))
+        for at, name in enumerate(names)
+        if name not in TEXT_COLUMNS and (at in known or name in COLUMNS)
+    }
+    plain = without_units_and_thousands(
+        [(each.name, each.unit, columns[at]) for at, each in numbers.items()], separator
+    )
+    for (at, column), cells in zip(numbers.items(), plain, strict=True):
+        if column.size != 1 or cells is not columns[at]:
+            columns[at] = cells.map(partial(_cell_in_si, size=column.size or 1.0))
+    table = pd.concat(columns, axis=1).set_axis(names, axis=1)
+    table.attrs = dict(zip(names, header, strict=True))
+    return table
 
 
 def _asked_columns(columns: Iterable[str]) -> set[str]:
@@ -387,20 +360,6 @@ def _asked_columns(columns: Iterable[str]) -> set[str]:
         *columns_in_table_form(columns, ()),
         *columns_in_table_form(columns, CARTESIAN_COLUMNS),
     }
-
-
-def _renamed_columns_of_header(
-    header: Sequence[str], columns: Iterable[str]
-) -> Iterator[tuple[int, str, float]]:
-    """Columns that a header names in words or with another unit.
-
-    Yields their numbers in the header, their own names, and the size of the unit.
-    """
-    asked = _asked_columns(columns)
-    for column_index, name in enumerate(header):
-        own, size = _column_and_unit_size(name)
-        if name not in asked and own in asked - {*header} and size:
-            yield column_index, own, size
 
 
 def normalise_points(
@@ -416,18 +375,21 @@ def normalise_points(
     Raises InputError naming the column that is missing, not known or without its unit.
     """
     names = list(map(str, points))
+    vocabulary = SceneVocabulary(_asked_columns(FACTOR_COLUMNS))
     renamed = {
-        names[k]: (own, size) for k, own, size in _renamed_columns_of_header(names, FACTOR_COLUMNS)
+        each.name: each
+        for each in vocabulary.sized_columns(names).values()
+        if each.name != each.quantity
     }
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
         scaled = {
-            name: [float(f"{number_of_cell(cell) * size:.15g}") for cell in table[name]]
-            for name, (_, size) in renamed.items()
+            name: [float(f"{number_of_cell(cell) * each.size:.15g}") for cell in table[name]]
+            for name, each in renamed.items()
+            if each.size
         }
-        points = table.assign(**scaled).rename(
-            columns={name: own for name, (own, _) in renamed.items()}
-        )
+        own_names = {name: each.quantity for name, each in renamed.items()}
+        points = table.assign(**scaled).rename(columns=own_names)
     header = list(map(str, points))
     columns = columns_in_table_form(SCENE_COLUMNS, header)
     optional = [name for name in columns if name not in needed]
@@ -447,33 +409,9 @@ def _columns_text(columns: Sequence[str], optional: Collection[str]) -> str:
     return "; ".join(f"{start}{', '.join(names)}" for start, names in parts.items() if names)
 
 
-def _column_and_unit_size(cell: str) -> tuple[str, float | None]:
-    """The column that a header's cell names, and the size of its unit; None of one without."""
-    for words, unit in possible_words_and_units(cell, KNOWN_UNIT_NAMES):
-        named = [word for word in words if word not in UNCERTAINTY_WORDS]
-        text = " ".join(named).removesuffix(" standard")
-        columns = {
-            COLUMN_OF_WORDS.get(word) for word in ([text] if text in COLUMN_OF_WORDS else named)
-        }
-        if len(columns) == 1 and (own := columns.pop()):
-            stem, _, base = own.rpartition("_")
-            name = f"{stem}_uncertainty_{base}" if named != words else own
-            return name, UNIT_SIZES_OF_BASE_UNIT[base].get(unit)
-    return cell, None
-
-
-def _with_decimal_points(cells: pd.Series, *, place: str) -> pd.Series:
-    """Cells of which the numbers have no decimal commas; both signs in a column are invalid."""
-    commas = cells.str.fullmatch(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
-    points = cells.str.fullmatch(r"[-+]?\d*\.\d+(?:[eE][-+]?\d+)?")
-    if commas.any() and points.any():
-        (line, one), (_, other) = next(cells[points].items()), next(cells[commas].items())
-        raise InputError(f"{place}: a point in {one!r} (line {line}), and a comma in {other!r}")
-    return cells.where(~commas, cells.str.replace(",", "."))
-
-
 def _cell_in_si(cell: str, size: float) -> str:
     """Return the number in a cell times the size of its unit, the cell where there is none."""
+    cell = number_text(cell)
     value = number_of_cell(cell)
     return cell if size == 1 or value != value else f"{value * size:.15g}"
 
@@ -500,16 +438,6 @@ def _read_parquet_rows(path: Path, *, chunk: tuple[int, int]) -> tuple[pd.DataFr
     before = sum(row_counts[: groups[0]]) if len(groups) else 0
     rows_read = read.slice(asked.start - before, len(asked)).to_pandas()
     return rows_read, [row + 1 for row in asked]
-
-
-def number_of_cell(cell: Any) -> float:
-    """The number in a cell; NaN where there is none, as in True or 1_000, which Python reads."""
-    if "_" in cell if isinstance(cell, str) else isinstance(cell, bool | np.bool_):
-        return nan
-    try:
-        return float(cell)
-    except (TypeError, ValueError):
-        return nan
 
 
 def _check_header(
@@ -545,10 +473,10 @@ def _check_header(
         beside = unregistered_columns(beside)
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
-        beside = [name for name in beside if _column_and_unit_size(name)[0] in factors]
+        beside = [name for name in beside if column_and_unit(name)[0] in factors]
     problems = []
     for name in beside:
-        own, _ = _column_and_unit_size(name)
+        own, *_ = column_and_unit(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
             units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES_OF_BASE_UNIT[base])
@@ -572,10 +500,13 @@ def _nearest_column(name: str, columns: Collection[str]) -> str:
     named = [each for each in words if each in (first, *others)]
     begun = [each for each in words if len(first) > 2 and each.startswith(first)]
     close = named or begun or difflib.get_close_matches(first, words, n=1)
-    if not close:
-        return ""
-    own = COLUMN_OF_WORDS[close[0]]
-    return repr(own) + ", zero to peak" * (own == "hv_m")
+    _, unit = next(possible_words_and_units(name, SIZE_OF_UNIT))
+    of_unit = [
+        each for each in columns if unit in UNIT_SIZES_OF_BASE_UNIT.get(each.rpartition("_")[2], {})
+    ]
+    own = COLUMN_OF_WORDS[close[0]] if close else of_unit[0] if len(of_unit) == 1 else ""
+    kind = ", zero to peak" if own == "hv_m" else ", the standard one" * ("uncertainty" in own)
+    return own and repr(own) + kind
 
 
 def read_columns(
@@ -597,144 +528,3 @@ def read_columns(
     if path.suffix != PARQUET_SUFFIX:
         table = pd.read_csv(io.StringIO(table.to_csv(index=False)))
     return table
-
-
-def write_table(table: pd.DataFrame, path: Path | str) -> None:
-    """Write a table as ``table_writer`` does."""
-    with table_writer(path) as write:
-        write(table)
-
-
-def check_parquet_installed() -> None:
-    """Raise InputError where the package is missing that reads and writes Parquet."""
-    with imports_from_extra("parquet", what="a table in Parquet"):
-        import pyarrow  # noqa: F401
-
-
-def checked_table_path(path: Path | str) -> str:
-    """Return the name of a table to write.
-
-    Raises InputError for a name that says that something else is in the file, for Parquet without
-    the package that writes it, and where no file can be: before anything is computed.
-    """
-    suffix, folders = Path(path).suffix, Path(path).absolute().parents
-    folder = next(folder for folder in folders if folder.exists())  # the rest will be made
-    if not (folder.is_dir() and os.access(folder, os.W_OK)):
-        raise InputError(f"{path} cannot be written: {folder} is no folder to write into")
-    if suffix == PARQUET_SUFFIX:
-        check_parquet_installed()
-    if suffix.lower() in UNSUPPORTED_SUFFIXES:
-        raise InputError(
-            f"{path}: a table is written as .csv, which spreadsheets open, or as {PARQUET_SUFFIX}; "
-            f"not as {suffix}"
-        )
-    return str(path)
-
-
-@contextmanager
-def table_writer(path: Path | str) -> Iterator[Callable[[pd.DataFrame], None]]:
-    """Write a table piece by piece, whole or not at all: ``with table_writer(p) as write: …``.
-
-    All pieces have the columns of the first one. CSV comes with full double precision.
-
-    Raises InputError for a name that says that something else is in the file, ValueError for a
-    column without a meaning in columns.csv.
-    """
-    path = Path(checked_table_path(path))
-    pieces = _parquet_writer if path.suffix == PARQUET_SUFFIX else _csv_writer
-
-    def write(piece: pd.DataFrame) -> None:
-        if unknown := unregistered_columns(map(str, piece)):
-            raise ValueError(f"{path}: columns.csv has no {', '.join(unknown)}")
-        write_piece(piece)
-
-    with atomic_file(path) as name, pieces(name) as write_piece:
-        yield write
-
-
-@contextmanager
-def _csv_writer(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
-    with name.open("w", encoding="utf-8", newline="") as file:
-        yield lambda piece: piece.to_csv(
-            file, index=False, header=file.tell() == 0, lineterminator="\n"
-        )
-
-
-@contextmanager
-def _parquet_writer(name: Path) -> Iterator[Callable[[pd.DataFrame], None]]:
-    with imports_from_extra("parquet", what="a table in Parquet"):
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
-    def column_type(column: pd.Series) -> pa.DataType:
-        if column.name in TEXT_COLUMNS:
-            return pa.string()
-        return pa.int32() if pd.api.types.is_integer_dtype(column) else pa.float64()
-
-    with ExitStack() as stack:
-        writer: pq.ParquetWriter | None = None
-
-        def write(piece: pd.DataFrame) -> None:
-            nonlocal writer
-            schema = pa.schema([(name, column_type(piece[name])) for name in piece])
-            texts = {name: "str" for name in piece if name in TEXT_COLUMNS}
-            rows = pa.Table.from_pandas(piece.astype(texts), schema=schema, preserve_index=False)
-            # Without the notes of pandas and its version, equal tables are equal files.
-            rows = rows.replace_schema_metadata(None)
-            writer = writer or stack.enter_context(
-                pq.ParquetWriter(name, rows.schema, compression="zstd")
-            )
-            writer.write_table(rows)
-
-        yield write
-
-
-def concatenate_force_parts(
-    scenes: Path | str, parts: Sequence[Path | str], *, output: Path | str, keep_failed: bool
-) -> None:
-    """Put the forces of a plan's parts together, one part and its rows of the plan held at a time.
-
-    Raises InputError where the parts are not the rows of the plan in its order, RunError naming the
-    points without a force unless these may stay; then nothing is written.
-    """
-    failures: list[str] = []
-    with table_writer(output) as write:
-        for number, part in enumerate(parts, start=1):
-            planned = read_scenes(scenes, chunk=(number, len(parts)))
-            rows = read_forces(part, whole=True)
-            if not planned.reset_index(drop=True).equals(rows.reindex(columns=planned.columns)):
-                raise InputError(
-                    f"{part}: its points are not those of part {number} of {len(parts)} of "
-                    f"{scenes}; simulate it again"
-                )
-            failures += [f"{failure} ({part})" for failure in failed_point_texts(rows)]
-            write(rows)
-        if failures and not keep_failed:
-            raise RunError(no_force_message(failures, scenes))
-
-
-def merge_timings(parts: Sequence[Path | str], *, output: Path | str) -> None:
-    """Put the run times of a plan's parts together."""
-    with table_writer(output) as write:
-        for part in parts:
-            write(read_timings(part))
-
-
-def write_json(values: dict[str, Any], path: Path | str) -> None:
-    """Write a JSON file with sorted keys, whole or not at all."""
-    write_text(json.dumps(values, indent=2, sort_keys=True, allow_nan=False) + "\n", path)
-
-
-def read_json(path: Path | str) -> dict[str, Any]:
-    """Read a JSON object.
-
-    Raises InputError when the file is missing or not a JSON object.
-    """
-    text = read_text(path, what="file")
-    try:
-        values = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: not readable as JSON: {error}") from None
-    if not isinstance(values, dict):
-        raise InputError(f"{path}: expected a JSON object")
-    return values

@@ -17,9 +17,9 @@ from squeezefilm.config.film import SMOOTHED_SCAN_ENV_VAR
 from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError
-from squeezefilm.files import write_text
+from squeezefilm.files import write_json, write_text
 from squeezefilm.parallel import show_progress
-from squeezefilm.tables import write_json, write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm.terminals import SUBSTITUTE_HANDLER_NAME
 
 # Of reynolds/kernel_cache.py, which takes long to import.

@@ -23,7 +23,8 @@ from squeezefilm.quantities.pressure import gauge_pressure_and_change
 from squeezefilm.reynolds.device import Device
 from squeezefilm.studies.solver_settings import SolverSettings, solver_settings
 from squeezefilm.studies.study import scenes_of_table
-from squeezefilm.tables import FACTOR_COLUMNS, normalise_points, number_of_cell
+from squeezefilm.tables import FACTOR_COLUMNS, normalise_points
+from squeezefilm.text_tables.cells import number_of_cell
 from squeezefilm.units import parse_quantities
 
 if TYPE_CHECKING:

@@ -38,7 +38,8 @@ from squeezefilm.reynolds.periodic.refinement import are_many
 from squeezefilm.reynolds.terms import validity_notes
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS, SOLUTION_COLUMNS, Solutions
 from squeezefilm.studies.solver_settings import SolverSettings, device_of_config
-from squeezefilm.tables import SCENE_COLUMNS, read_scenes, table_writer
+from squeezefilm.table_writer import table_writer
+from squeezefilm.tables import SCENE_COLUMNS, read_scenes
 
 if TYPE_CHECKING:
     from squeezefilm.api.film import Film

@@ -20,9 +20,10 @@ from squeezefilm.api.film import (
 from squeezefilm.config import study
 from squeezefilm.config.loading import load_config
 from squeezefilm.errors import InputError, RunError, prefix_errors
+from squeezefilm.files import write_json
 from squeezefilm.formatting import result_lines_text
 from squeezefilm.lazy import pd
-from squeezefilm.tables import FACTOR_COLUMNS, failed_point_texts, normalise_points, write_json
+from squeezefilm.tables import FACTOR_COLUMNS, failed_point_texts, normalise_points
 
 if TYPE_CHECKING:
     from squeezefilm.models.fit_file import FittedModel

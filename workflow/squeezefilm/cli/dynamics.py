@@ -38,7 +38,8 @@ from squeezefilm.film.validity import OK, validity_text
 from squeezefilm.formatting import NOT_AVAILABLE_TEXT, interval_text, scene_row, value_text
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import print_step
-from squeezefilm.tables import read_scenes, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import read_scenes
 from squeezefilm.units import parse_quantities
 
 

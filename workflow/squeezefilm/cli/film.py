@@ -38,7 +38,8 @@ from squeezefilm.film.validity import OK
 from squeezefilm.lazy import pd
 from squeezefilm.quantities.model_error import budget_row
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS, OUTPUT_COLUMNS
-from squeezefilm.tables import read_scenes, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import read_scenes
 
 
 @command(

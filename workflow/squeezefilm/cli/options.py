@@ -21,7 +21,7 @@ from squeezefilm.film.validity import OK
 from squeezefilm.formatting import ERROR_PERCENT_COLUMNS, json_text, result_lines_text
 from squeezefilm.lazy import pd
 from squeezefilm.reynolds.solver import METHODS
-from squeezefilm.tables import checked_table_path, write_table
+from squeezefilm.table_writer import checked_table_path, write_table
 from squeezefilm.units import error_text, value_and_error_texts
 
 PAPER_CONFIG_PATH = Path(__file__).parents[3] / "config" / "paper.yaml"

@@ -19,9 +19,10 @@ from squeezefilm.config.film import FilmSections
 from squeezefilm.config.loading import FilmWithoutStudyError, load_config, load_film
 from squeezefilm.config.notes import unit_notes
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.files import file_digest
+from squeezefilm.files import file_digest, write_json
 from squeezefilm.studies.tasks.scan_errors import scan_report
-from squeezefilm.tables import read_forces, read_ok_forces, read_scenes, write_json, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import read_forces, read_ok_forces, read_scenes
 
 
 @command(

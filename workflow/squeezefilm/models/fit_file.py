@@ -26,6 +26,7 @@ from pydantic import (
 )
 
 from squeezefilm.errors import InputError
+from squeezefilm.files import read_json
 from squeezefilm.film.pad import GapShape, Pad
 from squeezefilm.film.positions import POLAR_COLUMNS
 from squeezefilm.film.profiles import Piston
@@ -43,7 +44,6 @@ from squeezefilm.models.data import PHYSICS_COLUMN_OF_NAME, Array, Factors
 from squeezefilm.models.force_model import ExpressionModel, make_model
 from squeezefilm.models.limit_table import LimitTable
 from squeezefilm.models.prediction_interval import PredictionInterval
-from squeezefilm.tables import read_json
 
 UNKNOWN_PREFIX = "not known: "
 FILM_UNKNOWN_TEXT = f"{UNKNOWN_PREFIX}the fit's file does not describe its film"

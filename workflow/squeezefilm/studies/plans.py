@@ -31,7 +31,8 @@ from squeezefilm.studies.space import (
     table_of_points,
 )
 from squeezefilm.studies.study import scenes_of_table
-from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design, table_writer
+from squeezefilm.table_writer import table_writer
+from squeezefilm.tables import FACTOR_COLUMNS, SCENE_COLUMNS, read_design
 
 VALIDATION_SAMPLE_PLANS = ("validation_two_factor", "validation_four_factor")
 """The plans of independent points, uniform over the declared space: pad centred, anywhere."""

@@ -18,7 +18,8 @@ from squeezefilm.cli.options import (
 from squeezefilm.errors import InputError, RunError, append_remedy, prefix_errors
 from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.lazy import pd
-from squeezefilm.tables import FACTOR_COLUMNS, read_columns, write_table
+from squeezefilm.table_writer import write_table
+from squeezefilm.tables import FACTOR_COLUMNS, read_columns
 from squeezefilm_workflow.reporting.results import Results
 
 if TYPE_CHECKING:

@@ -15,6 +15,7 @@ import scipy
 from squeezefilm.columns import COLUMNS
 from squeezefilm.designs.optimal import sensitivity
 from squeezefilm.errors import InputError
+from squeezefilm.files import read_json
 from squeezefilm.film.positions import columns_in_table_form, find_position_columns
 from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fit_file import FittedModel, amplitude_row, fit_from_values, read_fit
@@ -25,7 +26,7 @@ from squeezefilm.models.prediction_interval import (
     ranking_points_mask,
     relative_errors,
 )
-from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
+from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_ok_forces
 from squeezefilm.units import error_text
 from squeezefilm_workflow.reporting.notes import percent_text
 from squeezefilm_workflow.reporting.pages import Page, readable_table

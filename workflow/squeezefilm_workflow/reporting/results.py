@@ -11,17 +11,11 @@ from squeezefilm.config.loading import load_config
 from squeezefilm.config.study import Study
 from squeezefilm.config.writing import STUDY_FILE_NAME
 from squeezefilm.errors import InputError, append_remedy
+from squeezefilm.files import read_json
 from squeezefilm.models.data import Factors, factors_of_table
 from squeezefilm.models.fit_file import FittedModel, read_fit
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS
-from squeezefilm.tables import (
-    read_columns,
-    read_design,
-    read_forces,
-    read_json,
-    read_ok_forces,
-    read_scenes,
-)
+from squeezefilm.tables import read_columns, read_design, read_forces, read_ok_forces, read_scenes
 from squeezefilm_workflow.reporting.notes import validity_note
 
 

@@ -35,7 +35,7 @@ from skfem import (
 from skfem.helpers import ddot, div, dot, grad
 
 from squeezefilm.cli.options import command, option
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.verification.marching import FloatArray
 
 # Length of the gap in the mesh, in gaps; beyond half of it the flow has no trace of the edge.

@@ -26,7 +26,7 @@ from squeezefilm.quantities.model_error import (
     unsupported_auto_term_texts,
 )
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.verification.all_effects import (
     Effects,
     forces_on_grid,

@@ -12,7 +12,7 @@ import pandas as pd
 from squeezefilm.cli.options import command, flag_option, option
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.parallel import track_progress
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.verification.comparisons import (
     COMPARISON_OUTCOMES,
     Comparison,

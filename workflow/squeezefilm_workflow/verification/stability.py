@@ -29,7 +29,7 @@ from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.launch import PeriodicStates
 from squeezefilm.reynolds.spectral import cached_time_axis
 from squeezefilm.reynolds.terms import terms_label, terms_of
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.verification.all_effects import Effects, force_on_grid, is_axisymmetric
 from squeezefilm_workflow.verification.films import (
     SHAPE_OF_PAD_NAME,

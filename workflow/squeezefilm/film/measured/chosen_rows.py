@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.measured.cells import distinct_values_text, normalise_cells, parse_numbers
+from squeezefilm.film.measured.cells import distinct_values_text, normalise_cells
 from squeezefilm.film.measured.columns import FREQUENCY_UNITS_HZ, ScanColumn
 from squeezefilm.film.measured.scan import (
     MAX_MODE_DISTANCE_FRACTION,
@@ -16,6 +16,7 @@ from squeezefilm.film.measured.scan import (
     nearest_spectral_line,
 )
 from squeezefilm.lazy import pd
+from squeezefilm.text_tables.cells import parse_numbers
 
 # Of all nodes of a body: the share of a face's, of others, and how far off they are, over the face.
 MIN_FACE_FRACTION, MIN_OFF_FRACTION, MIN_OFF_FACE_HEIGHT_FRACTION = 0.1, 0.1, 0.05

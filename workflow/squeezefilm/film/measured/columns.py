@@ -1,6 +1,6 @@
 """The columns of a scan's table: what its header's words mean, in which unit.
 
-The words stand in words.csv, so that a program or a language is lines there: those that name a
+The words stand in scan_words.csv, so that a program or a language is lines there: those that name a
 quantity together, those that may stand beside it, and those of a cell that tell whether a row is
 valid. Words of a motion alone are its amplitude, with a direction its part along z, with a quantity
 (``Velocity Real``) that.
@@ -8,25 +8,27 @@ valid. Words of a motion alone are its amplitude, with a direction its part alon
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
-from pathlib import Path
 
 import numpy as np
 
 from squeezefilm.errors import InputError
-from squeezefilm.files import read_text
 from squeezefilm.film.measured.scan import (
     MAX_FREQUENCY_OFFSET_FRACTION,
     MAX_MODE_DISTANCE_FRACTION,
     list_text,
     nearest_spectral_line,
 )
-from squeezefilm.headers import fold_accents, normalised_unit, possible_words_and_units
+from squeezefilm.text_tables.header import Column, Vocabulary
+from squeezefilm.text_tables.header_cells import (
+    fold_accents,
+    normalised_unit,
+    possible_words_and_units,
+    words_of_file,
+)
 from squeezefilm.units import unit_sizes
 
 LENGTH_UNITS_M = {fold_accents(name): size for name, size in unit_sizes("m").items()}
@@ -66,7 +68,8 @@ UNITS_OF_QUANTITY |= {
 """The same, with the amplitude along z, what rows of a place may differ by, a place on a line or
 along z, a motion in decibels, whether a row is valid, and the mean of several motions."""
 MOTION_QUANTITIES = {name for name, units in UNITS_OF_QUANTITY.items() if units is MOTION_UNITS}
-ALL_UNITS = {*MOTION_UNITS, *ANGLE_UNITS_RAD, *FREQUENCY_UNITS_HZ, "s"}
+SIZE_OF_OTHER_UNIT = {**ANGLE_UNITS_RAD, **FREQUENCY_UNITS_HZ, "s": 1.0}
+ALL_UNITS = {*MOTION_UNITS, *SIZE_OF_OTHER_UNIT}
 USUAL_UNITS = dict.fromkeys(("x", "y", "r"), "mm") | {"phi": "deg", "phase": "deg", "sign": "1"}
 USUAL_MOTION_UNITS = ("um", "mm/s", "m/s²")
 MOTION_NAMES = ("displacement", "velocity", "acceleration")
@@ -103,10 +106,7 @@ AXIS_BEHIND_WORD_PATTERN = re.compile(r"(?<=[a-z]{3})(?=[XY](?:[\W_]|$))")
 LABVIEW_X_NAME = "X_Value"
 """LabVIEW's first column, of times or empty, which is no place."""
 
-_WORDS_CSV_ROWS = csv.reader(
-    read_text(Path(__file__).with_name("words.csv"), what="list of words").splitlines()[1:]
-)
-WORDS_OF_MEANING = {meaning: fold_accents(words).split(";") for meaning, words in _WORDS_CSV_ROWS}
+WORDS_OF_MEANING = words_of_file("scan_words.csv")
 QUANTITY_OF_WORDS = {
     frozenset(words.split()): quantity
     for quantity in UNITS_OF_QUANTITY
@@ -135,21 +135,15 @@ UNSIGNED_WORDS = {*WORDS_OF_MEANING["amplitude"], "uampz", "peak", "pk", "0p", "
 
 
 @dataclass(frozen=True)
-class ScanColumn:
-    """A quantity, the unit it is in ("" if none is named), its place in a row, and its name.
+class ScanColumn(Column):
+    """A column of a scan, whose angles are in radians.
 
-    ``size`` is the unit's in SI units and radians; None of one that the quantity has not.
     ``amplitude_factor`` is the amplitude over what the column has: √2 for effective values.
     ``power`` is that of the angular frequency by which a motion in the unit is larger than a
     displacement, and ``omega_power_of_name`` the same by the column's words, None if they do not
     say. In ``in_decibels`` the size is the reference's. A component of a vector ``is_signed``.
     """
 
-    quantity: str
-    unit: str
-    size: float | None
-    column_index: int
-    name: str
     amplitude_factor: float = 1.0
     power: int = 0
     omega_power_of_name: int | None = None
@@ -171,15 +165,18 @@ class ScanColumn:
         return None
 
 
-def quantity_of_words(words: Sequence[str]) -> str | None:
-    """The quantity that words name; None for one that a scan does not have."""
+def quantity_of_words(words: Sequence[str], unit: str = "") -> str | None:
+    """The quantity that words name; None for one that a scan does not have.
+
+    The unit decides between two: ``in phase`` is a real part in µm and a phase in degrees.
+    """
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS_OF_MEANING["line"]} or {*words[:1]}
     if {*words} & VIBRATION_WORDS:
         core -= {*WORDS_OF_MEANING["beside_motion"]}
-    if quantity := QUANTITY_OF_WORDS.get(frozenset(words)) or QUANTITY_OF_WORDS.get(
-        frozenset(core)
-    ):
-        return quantity
+    sets = [each for each in (frozenset(words), frozenset(core)) if each in QUANTITY_OF_WORDS]
+    if sets:
+        named = [QUANTITY_OF_WORDS[each] for each in sets]
+        return min(named, key=lambda name: unit not in UNITS_OF_QUANTITY[name])
     of_words = {QUANTITY_OF_WORDS.get(frozenset([word])) for word in core}
     if len(of_words) == 1 and of_words != {None}:
         return of_words.pop()
@@ -198,8 +195,8 @@ def quantity_of_words(words: Sequence[str]) -> str | None:
         return None
     if rest and rest <= DIRECTION_WORDS:
         return "normal"
-    quantity = QUANTITY_OF_WORDS.get(rest - DIRECTION_WORDS) if rest else "amplitude"
-    return quantity if quantity in {*AMPLITUDE_UNITS, "level"} else None
+    kind = QUANTITY_OF_WORDS.get(rest - DIRECTION_WORDS) if rest else "amplitude"
+    return kind if kind in {*AMPLITUDE_UNITS, "level"} else None
 
 
 def scan_column_of_cell(name: str, column_index: int = 0) -> ScanColumn | None:
@@ -211,7 +208,7 @@ def scan_column_of_cell(name: str, column_index: int = 0) -> ScanColumn | None:
     cell = AXIS_BEHIND_WORD_PATTERN.sub(" ", cell)
     for words, unit in possible_words_and_units(cell, ALL_UNITS):
         words, ratio = _split_amplitude_factor(words)
-        quantity = quantity_of_words(words)
+        quantity = quantity_of_words(words, unit)
         if {*words} - IGNORED_WORDS == {"z"} and OMEGA_POWER_OF_UNIT.get(unit):
             quantity = "normal"
         if quantity is None:
@@ -251,13 +248,43 @@ def _split_amplitude_factor(words: list[str]) -> tuple[list[str], float]:
     return words, 1.0
 
 
+class ScanVocabulary(Vocabulary):
+    """The columns of scans and outlines."""
+
+    units = ALL_UNITS
+    places = ("x", "y", "r")
+    planes = (("x", "y"), ("r", "phi"))
+
+    def column(self, cell: str, column_index: int = 0) -> ScanColumn | None:
+        return scan_column_of_cell(cell, column_index)
+
+    def columns(self, header: Sequence[str]) -> list[ScanColumn]:
+        named = (
+            self.column(name, at) for at, name in enumerate(header) if at or name != LABVIEW_X_NAME
+        )
+        return [each for each in named if each]
+
+    def quantities(self, header: Sequence[str]) -> Collection[str]:
+        known = {each.quantity for each in self.columns(header)} - {*ROW_STATUS_QUANTITIES}
+        return known - {"line"} if known & {*COORDINATE_UNITS} else known
+
+    def size_of_unit(self, cell: str) -> float | None:
+        motion = self.column(f"amplitude [{cell}]")
+        if motion and motion.size:
+            return motion.size * motion.amplitude_factor
+        return SIZE_OF_OTHER_UNIT.get(normalised_unit(OVER_DRIVE_PATTERN.sub("", cell)))
+
+    def size_in_name(self, name: str) -> float | None:
+        own = self.column(name) or _motion_column_of_letter(name, 0)
+        return own.size * own.amplitude_factor if own and own.size and own.unit else None
+
+
+SCAN_VOCABULARY = ScanVocabulary()
+
+
 def header_columns(header: Sequence[str]) -> list[ScanColumn]:
     """The columns that a header names."""
-    return [
-        column
-        for at, name in enumerate(header)
-        if (at or name != LABVIEW_X_NAME) and (column := scan_column_of_cell(name, at))
-    ]
+    return SCAN_VOCABULARY.columns(header)
 
 
 def select_columns(
@@ -511,45 +538,3 @@ def _columns_at_frequency(
         )
     kept = [each for each in named if each.frequency_hz in (None, line_hz)]
     return kept, [f"columns at {line_hz:.7g} Hz"]
-
-
-def header_with_unit_line(header: Sequence[str], cells: Sequence[str]) -> list[str] | None:
-    """A header with the units of the line below it; None if that line is not of units.
-
-    It is one if some cells are known units, and none a number: one that is not known is named in a
-    message if its column is needed.
-    """
-    units = [
-        re.sub(r"[\[\]()]", "", normalised_unit(OVER_DRIVE_PATTERN.sub("", cell))) for cell in cells
-    ]
-    if not {*units} & ALL_UNITS or any(map(_is_number, cells)) or len(cells) > len(header):
-        return None
-    return [
-        _name_with_unit(name, unit, cell.strip(" []()"))
-        for name, unit, cell in zip_longest(header, units, cells, fillvalue="")
-    ]
-
-
-def _name_with_unit(name: str, unit: str, cell: str) -> str:
-    """A column's name with the unit of a cell, unless it has one that is known.
-
-    Raises:
-        InputError: where the two are known and differ.
-    """
-    own = scan_column_of_cell(name) or _motion_column_of_letter(name, 0)
-    of_motion = scan_column_of_cell(f"amplitude [{cell}]")
-    size_of_unit = (
-        of_motion.size * of_motion.amplitude_factor if of_motion and of_motion.size else None
-    )
-    is_known = size_of_unit is not None or unit in ALL_UNITS
-    if own and own.size and own.unit:
-        if is_known and unit != own.unit and size_of_unit != own.size * own.amplitude_factor:
-            raise InputError(
-                f"{name!r} has another unit in the line of units: {cell!r}; leave one of them out"
-            )
-        return name
-    return f"{name} [{cell}]" if is_known or (unit.strip("-") and own) else name
-
-
-def _is_number(cell: str) -> bool:
-    return bool(re.match(r"\s*[-+(]?[.,]?\d", cell))

@@ -33,8 +33,7 @@ from pathlib import Path
 import numpy as np
 
 from squeezefilm.errors import InputError, prefix_errors
-from squeezefilm.film.measured.arrays import ARRAY_SUFFIXES
-from squeezefilm.film.measured.cells import has_complex_pairs, is_missing, parse_numbers, si_values
+from squeezefilm.film.measured.cells import has_complex_pairs, si_values
 from squeezefilm.film.measured.chosen_rows import (
     TIME_SERIES_REMEDY,
     one_row_per_position,
@@ -43,6 +42,7 @@ from squeezefilm.film.measured.chosen_rows import (
 )
 from squeezefilm.film.measured.columns import (
     COORDINATE_UNITS,
+    SCAN_VOCABULARY,
     UNITS_OF_SCAN_QUANTITY,
     ScanColumn,
     header_columns,
@@ -52,15 +52,8 @@ from squeezefilm.film.measured.columns import (
     select_columns,
     unit_problems,
 )
-from squeezefilm.film.measured.header import (
-    BLANK_SEPARATOR,
-    UNCERTAINTY_PATTERN,
-    find_header,
-    header_with_units,
-    split_cells,
-    wants_of_points,
-)
 from squeezefilm.film.measured.phases import reject_unclear_phases
+from squeezefilm.film.measured.point_remedies import no_header_error, wants_of_points
 from squeezefilm.film.measured.scan import (
     NO_REMEDIES,
     PointRemedies,
@@ -68,10 +61,21 @@ from squeezefilm.film.measured.scan import (
     list_text,
     missing_points_note,
 )
-from squeezefilm.film.measured.table_parts import COMMENT_PATTERN, lines_of_one_table
-from squeezefilm.film.measured.text_file import read_table_lines
+from squeezefilm.film.measured.table_parts import lines_of_one_table
 from squeezefilm.film.measured.validity import valid_rows
 from squeezefilm.lazy import pd
+from squeezefilm.text_tables.arrays import ARRAY_SUFFIXES
+from squeezefilm.text_tables.cells import is_missing, parse_numbers, without_uncertainty
+from squeezefilm.text_tables.header import (
+    BLANK_SEPARATOR,
+    COMMENT_PATTERN,
+    UNCERTAINTY_PATTERN,
+    find_header,
+    no_header_text,
+    rows_of_lines,
+    split_cells,
+)
+from squeezefilm.text_tables.text_file import read_table_lines
 
 SCAN_FORMAT_TEXT = (
     "a row for each point and columns such as x_mm, y_mm, amplitude_um, phase_deg or r_mm, "
@@ -116,9 +120,11 @@ def read_point_table(
         InputError: naming the line or column that is wrong.
     """
     lines, notes = read_table_lines(path, what=what, form=form)
-    index, header, separator = find_header(lines, what=what, form=form, remedies=remedies)
+    found = find_header(lines, SCAN_VOCABULARY, what=what, form=form)
+    index, first, header, separator = found.line, found.first_row, found.names, found.separator
+    if not found.is_known:
+        raise no_header_error(no_header_text(found, lines, form=form), lines, remedies)
     with prefix_errors(f"line {index + 1}"):
-        header, first = header_with_units(header, lines, index, separator)
         columns, at_frequency = select_columns(header, wanted, frequency_hz=frequency_hz)
         motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
         if len({column.power for column in motion}) > 1:
@@ -199,7 +205,7 @@ def read_point_table(
     cells = cells.drop(lacking)
     pairs = [column for column in motion if has_complex_pairs(cells[column.column_index])]
     notes += [f"cells (a,b) of {column.name!r} are read as a + b i" for column in pairs]
-    table = pd.DataFrame({name: si_values(cells, column) for name, column in columns.items()})
+    table = si_values(cells, columns.values(), separator)
     if _has_component_sign(columns, table):
         table["sign"] = 1.0
         name = columns["amplitude"].name
@@ -353,12 +359,13 @@ def _table_cells(
     Lines above and below rows that all begin with a number are none if their first cell that is
     not empty begins with a word; a note names them.
     """
+    kept = [
+        "" if COMMENT_PATTERN.match(line) or RULED_LINE_PATTERN.fullmatch(line) else line
+        for line in lines[first:]
+    ]
     rows = {
-        number: split_cells(line, separator)
-        for number, line in enumerate(lines[first:], first + 1)
-        if line.strip(" \t,;")
-        and not COMMENT_PATTERN.match(line)
-        and not RULED_LINE_PATTERN.fullmatch(line)
+        number: [without_uncertainty(cell) for cell in cells]
+        for number, cells in rows_of_lines(kept, separator, start=first)
     }
     # Comments, as Origin has them above the numbers, may begin with empty cells and a number.
     first_cells = {

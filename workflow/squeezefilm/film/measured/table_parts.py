@@ -16,7 +16,8 @@ from squeezefilm.film.measured.scan import (
     list_text,
     nearest_spectral_line,
 )
-from squeezefilm.headers import fold_accents
+from squeezefilm.text_tables.header import COMMENT_PATTERN, MAX_TITLE_LINES
+from squeezefilm.text_tables.header_cells import fold_accents
 
 FREQUENCY_WORDS = [each for each in WORDS_OF_MEANING["frequency"] if each not in ("f", "hz", "khz")]
 FREQUENCY_LINE_PATTERN = re.compile(
@@ -26,9 +27,6 @@ FREQUENCY_LINE_PATTERN = re.compile(
 )
 """How a line above a header tells the frequency of the table below it."""
 UNIT_IN_BRACKETS_PATTERN = re.compile(r"\s*[\[(][^\[\]()]*[\])]|_[mu]?m\b")
-COMMENT_PATTERN = re.compile(r"\A\s*[#%!][#%!\s]*")
-# Lines of a title or of units above or below a header.
-MAX_TITLE_LINES = 5
 
 Position = tuple[str, ...]
 

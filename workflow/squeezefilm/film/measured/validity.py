@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from squeezefilm.errors import InputError
-from squeezefilm.film.measured.cells import distinct_values_text, parse_numbers
+from squeezefilm.film.measured.cells import distinct_values_text
 from squeezefilm.film.measured.columns import ROW_STATUS_QUANTITIES, WORDS_OF_MEANING, ScanColumn
 from squeezefilm.film.measured.scan import list_text
-from squeezefilm.headers import fold_accents
 from squeezefilm.lazy import pd
+from squeezefilm.text_tables.cells import parse_numbers
+from squeezefilm.text_tables.header_cells import fold_accents
 
 # A column of so few whole numbers may be one of codes.
 MAX_STATUS_CODES = 8

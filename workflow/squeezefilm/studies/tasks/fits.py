@@ -14,6 +14,7 @@ import pandas as pd
 from squeezefilm import __version__
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError
+from squeezefilm.files import read_json
 from squeezefilm.film.positions import POLAR_COLUMNS, columns_in_table_form
 from squeezefilm.models.data import POSITION_COLUMNS, Factors, factors_of_table
 from squeezefilm.models.fit_file import FIT_FILE_FORMAT_VERSION, FittedModel, fit_from_values
@@ -46,7 +47,7 @@ from squeezefilm.studies.tasks.physics_limits import (
     with_limit_forces,
 )
 from squeezefilm.studies.tasks.scan_errors import scan_errors_of_study
-from squeezefilm.tables import ASYMPTOTIC_FORCE_COLUMNS, FACTOR_COLUMNS, SCENE_COLUMNS, read_json
+from squeezefilm.tables import ASYMPTOTIC_FORCE_COLUMNS, FACTOR_COLUMNS, SCENE_COLUMNS
 
 CROSS_VALIDATION_FOLDS, CROSS_VALIDATION_SEED = 5, 1
 """Of the cross-validation that gives a fit's error at points it was not fitted to."""

@@ -12,10 +12,11 @@ from typing import Any
 
 import pandas as pd
 
+from squeezefilm.files import read_json
 from squeezefilm.film.positions import columns_in_table_form, find_position_columns
 from squeezefilm.models.export import source_code
 from squeezefilm.models.fit_file import FittedModel, fit_from_values, read_fit
-from squeezefilm.tables import FACTOR_COLUMNS, read_json
+from squeezefilm.tables import FACTOR_COLUMNS
 from squeezefilm_workflow.reporting.notes import inertia_page_values
 from squeezefilm_workflow.reporting.pages import render_template
 from squeezefilm_workflow.reporting.results import Results

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from squeezefilm.errors import InputError
-from squeezefilm.tables import write_table
+from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.reporting.figures import style
 from squeezefilm_workflow.reporting.figures.film import error_budget, levitation, response
 from squeezefilm_workflow.reporting.figures.maps import (

@@ -45,20 +45,22 @@ def matrix_as_table_lines(lines: Sequence[str]) -> tuple[list[str], list[str]]:
     stated = {
         match[1].lower(): match[2] for match in map(MATRIX_LINE_PATTERN.match, lines) if match
     }
+    sizes = [LENGTH_PATTERN.fullmatch(stated.get(side, "")) for side in ("width", "height")]
+    if None in sizes or "value units" not in stated:
+        return list(lines), []
     body = [line.strip() for line in lines if re.match(r"\s*[^\s#%!]", line)]
     rows = [re.split(r"[\s;]+", line) for line in body if re.match(r"[-+.\d]|nan", line, re.I)]
     counts = {*map(len, rows)}
-    sizes = [LENGTH_PATTERN.fullmatch(stated.get(side, "")) for side in ("width", "height")]
     is_matrix = len(rows) == len(body) and len(counts) == 1 and min(counts) >= MIN_MATRIX_COLUMNS
-    if None in sizes or "value units" not in stated or not is_matrix:
+    if not is_matrix:
         return list(lines), []
     (width, x_unit), (height, y_unit) = (
         (float(size[1].replace(",", ".")), size[2]) for size in sizes if size
     )
-    columns = len(rows[0])
+    columns, sign = len(rows[0]), "," if any("," in line for line in body) else "."
     table = [f"x [{x_unit}]\ty [{y_unit}]\tamplitude [{stated['value units']}]"]
     table += [
-        f"{width * (column + 0.5) / columns:.9g}\t{height * y:.9g}\t{cell}"
+        f"{width * (column + 0.5) / columns:.9g}\t{height * y:.9g}\t".replace(".", sign) + cell
         for y, cells in zip(1 - (np.arange(len(rows)) + 0.5) / len(rows), rows, strict=True)
         for column, cell in enumerate(cells)
     ]

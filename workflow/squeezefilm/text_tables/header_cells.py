@@ -4,30 +4,34 @@
 is the only place that takes them apart: what words mean is up to each kind of table.
 """
 
+import csv
 import re
 import unicodedata
 from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from squeezefilm.files import read_text
 
 UNIT_OF_NAME = {
     name: unit
     for unit, names in {
-        "deg": "degree degrees grad degre degres grados gradi graus graden 度 °",
+        "deg": "degree degrees grad degre degres grados gradi graus graden grader град 度 도 °",
         "rad": "radian radians 弧度",
         "g": "gs",
-        "m": "meter meters metre metres 米",
-        "mm": "millimeter millimeters millimetre millimetres 毫米",
+        "m": "meter meters metre metres 米 м",
+        "mm": "millimeter millimeters millimetre millimetres 毫米 мм",
         "in": "inch inches",
         "mil": "mils",
         "in/s": "ips",
-        "um": "\u03bcm micron microns micrometer micrometers micrometre micrometres 微米",
-        "nm": "nanometer nanometers nanometre nanometres 纳米",
-        "hz": "赫兹",
-        "khz": "千赫",
+        "um": "\u03bcm micron microns micrometer micrometers micrometre micrometres 微米 мкм",
+        "nm": "nanometer nanometers nanometre nanometres 纳米 нм",
+        "hz": "赫兹 гц",
+        "khz": "千赫 кгц",
     }.items()
-    for name in names.split()
+    for name in unicodedata.normalize("NFKD", names).split()
 }
 """Other names of units, without accents."""
-PER_SECOND_PATTERN = re.compile(r"[/_](?:s(?:ec)?|秒)\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
+PER_SECOND_PATTERN = re.compile(r"[/_](?:s(?:ec)?|秒|с)\^?([12]?)$|\W*s(?:ec)?\^?[-\u2212]([12])$")
 """The end of m/s, mm_s, m/sec^2, m s-1."""
 ORIGIN_MICRO_ESCAPE = r"\g(m)"
 UNIT_START_PATTERN = re.compile(r"[\s_/,.\[(]+")
@@ -70,3 +74,10 @@ def possible_words_and_units(cell: str, units: Collection[str]) -> Iterator[tupl
     ]
     for words, unit in (*known, (name, ""), *bracket, *ends[-1:]):
         yield [word for word in WORD_SEPARATOR_PATTERN.split(words) if word], unit
+
+
+def words_of_file(name: str) -> dict[str, list[str]]:
+    """The words of each meaning in a list of words, without accents."""
+    text = read_text(Path(__file__).with_name(name), what="list of words")
+    rows = csv.reader(text.splitlines()[1:])
+    return {meaning: fold_accents(words).split(";") for meaning, words in rows}

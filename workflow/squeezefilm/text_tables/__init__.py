@@ -1,0 +1,1 @@
+"""Tables of text as people, instruments and programs write them."""
