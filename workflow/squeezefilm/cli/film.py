@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from squeezefilm.api.film import TIME_POINTS_RANGE, POINTS_PER_SIDE_RANGE, Film
+from squeezefilm.api.film import POINTS_PER_SIDE_RANGE, TIME_POINTS_RANGE, Film
 from squeezefilm.api.forces import (
     budget_table,
     forces_table,
