@@ -14,7 +14,7 @@ from squeezefilm.reynolds.spectral import cached_time_axis
 # a power of the tolerance, then to a tenth of that, until no value changes by more than it.
 FORCE_TOLERANCE_POWER, MIN_FORCE_TOLERANCE, MAX_TIGHTER_SOLVES = 1.75, 1e-10, 3
 NO_STATE_MESSAGE = (
-    "no periodic state was found in which the pressure holds the tolerance at every place"
+    "no periodic state was found in which the pressure meets the tolerance at every point"
 )
 
 
