@@ -214,7 +214,7 @@ class Film:
 
     @property
     def scan(self) -> SmoothedScan | None:
-        """The measured vibration shape with all that is known of it; None if it is not measured.
+        """The measured mode shape with its noise and notes; None if it is not measured.
 
         Example:
             >>> study.scan is None  # a formula, not a measured profile
@@ -264,12 +264,12 @@ class Film:
         """The mean force at one operating point, with its numerical and modelling error.
 
         Args:
-            tolerance: required relative error, instead of the film's own.
-            method: of the solver, instead of the film's own (docs/explanation/physics.md).
-            outputs: further quantities, ``solution.outputs`` of it (docs/outputs.md), instead
-                of the study's; ``["all"]`` for all.
-            derivatives: of the force to gap, amplitude, position and gas too,
-                ``solution.derivatives`` of it (docs/outputs.md#derivatives).
+            tolerance: required relative error; that of the study by default.
+            method: solver method (docs/explanation/physics.md); that of the study by default.
+            outputs: further quantities (docs/outputs.md), found in ``force.solution.outputs``;
+                ``["all"]`` for all; those of the study by default.
+            derivatives: whether derivatives with respect to gap, amplitude, position and gas are
+                found in ``force.solution.derivatives`` (docs/outputs.md#derivatives).
 
         Raises InputError as ``scene`` does, RunError saying why there is no force.
 

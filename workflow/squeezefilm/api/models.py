@@ -70,7 +70,7 @@ class Fit:
 
     @property
     def about(self) -> dict[str, str]:
-        """The model's name and what is known of its error, as a row."""
+        """The model's name and the statement of its error, as a row."""
         return {"model": self.name, "validation": self.statement}
 
     @property
