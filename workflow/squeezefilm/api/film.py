@@ -120,8 +120,8 @@ UNIT_AND_LABEL_OF_VARIABLE = {
     "gauge_pressure": ("Pa", "gauge pressure"),
     "gap": ("m", "gap between surface and pad"),
     "phase": ("degree", "phase"),
-    "y": ("m", "y on the pad, from its centre"),
-    "x": ("m", "x on the pad, from its centre"),
+    "y": ("m", "y from the pad's centre"),
+    "x": ("m", "x from the pad's centre"),
     "time": ("s", "time"),
 }
 PRESSURE_TOLERANCE = 1e-4
