@@ -1,4 +1,4 @@
-# `make paper` makes everything of the paper, `make test` runs the tests; each sets itself up.
+# `make paper` reproduces the paper, `make test` runs the tests; each installs what it needs.
 # Needs python3 (3.11 or later) and make. OPTIONS are snakemake's, as in
 # `make resume OPTIONS="--workflow-profile profiles/slurm"`; CONFIG names another study.
 
@@ -35,35 +35,40 @@ endif
 .PHONY: help paper paper-inertia quick check reference report benchmarks test test-check test-docs test-faults test-browser test-install test-device test-stability mutants docs pictures lint format lock resume clean test-cluster test-fresh
 
 help:
-	@echo "make paper    every simulation, fit, design, table and figure of the paper"
-	@echo "make paper-inertia  the same with a gas that has inertia, and the two side by side"
-	@echo "make quick    the same rules on a small study, in two to four minutes"
-	@echo "make check    everything anew where it is not, and results beside their reference"
-	@echo "make report   one page of HTML that shows and explains everything: results/report.html"
-	@echo "make benchmarks  where run time goes on this machine; nothing else should run"
-	@echo "make test     the tests"
-	@echo "make test-check     faults put into a study, which the check must find"
-	@echo "make test-docs     the commands of the docs, on small studies"
-	@echo "make test-faults    runs that are killed, full disks"
-	@echo "make test-browser   the pages, in a browser without a screen"
-	@echo "make test-device    the kernels' work-items, watched by Oclgrind, and large work-groups"
-	@echo "make test-stability   stiff and extreme films, each judged; minutes"
-	@echo "make mutants  a wrong sign in each formula, which the tests beside it must find; minutes"
-	@echo "make test-cluster   the tests that need a Slurm: it is installed if need be, and started"
-	@echo "make test-install   the library from its wheel, in an environment of its own; needs a network"
-	@echo "make test-fresh     a Debian 12 and 13 as a newcomer has them; FRESH=quick: in short; root only"
-	@echo "make docs     the documentation as pages of HTML: $(DOCS)"
-	@echo "make pictures  the pictures of the documentation; minutes, nothing else should run"
-	@echo "make lint     style, types, and Snakemake's own advice"
-	@echo "make format   bring the code into its style"
-	@echo "make resume   go on after a run was killed"
-	@echo "make reference      make the reference that is checked against"
-	@echo "make lock     pin the newest versions of all packages"
-	@echo "make clean    remove results of the studies here, built pages, logs and the environment; keep your own"
+	@echo "make paper            reproduce the paper: simulations, fits, designs, tables, figures; 4 minutes"
+	@echo "make paper-inertia    the same with gas inertia, and the two studies compared"
+	@echo "make quick            a small study by the same rules; two to four minutes"
+	@echo "make check            make three studies and compare them with the stored reference"
+	@echo "make report           a study's results on one HTML page: $(REPORT)"
+	@echo "make resume           continue a run that was killed"
+	@echo "make clean            remove .venv, logs, built pages and this repository's results; keep yours"
+	@echo
+	@echo "make test             the tests; 5 minutes"
+	@echo "make test-browser     the HTML pages in a headless browser"
+	@echo "make test-check       faults put into a study, which the check must find"
+	@echo "make test-cluster     jobs on a Slurm of this machine, installed where it is missing"
+	@echo "make test-device      every kernel in Oclgrind, and large work-groups"
+	@echo "make test-docs        the commands of the documentation, on small studies"
+	@echo "make test-faults      killed runs and full disks"
+	@echo "make test-fresh       a new Debian 12 and 13; FRESH=quick: in short; root only"
+	@echo "make test-install     the library installed from its wheel; needs a network"
+	@echo "make test-stability   stiff and extreme films; minutes"
+	@echo "make mutants          wrong signs put into formulas, which the tests must find; minutes"
+	@echo "make lint             style, types, imports between layers, Snakemake's lint"
+	@echo "make format           format the code"
+	@echo
+	@echo "make docs             the documentation as HTML: $(DOCS)"
+	@echo "make pictures         the pictures of the documentation; minutes, on an idle machine"
+	@echo "make benchmarks       the tables of run times; minutes, on an idle machine"
+	@echo "make reference        a new stored reference for make check"
+	@echo "make lock             pin the newest versions of all packages"
+	@echo
+	@echo "Variables: CONFIG=config/mine.yaml (report, resume), STUDIES=mine (check, reference),"
+	@echo "           OPTIONS=... of snakemake (targets too), PYTHON=python3.12"
 
 paper: $(VENV)/.run
-	@echo "Every simulation, fit, design, table and figure of the paper: some minutes on two cores."
-	@echo "What is made already stays; a run that was stopped goes on by make resume."
+	@echo "Reproducing the paper: some minutes on two cores. Finished results are kept;"
+	@echo "'make resume' continues a run that was killed."
 	@$(SNAKEMAKE)
 
 paper-inertia: paper
@@ -179,13 +184,13 @@ clean:
 
 # The packages as pinned, checked by their hashes; the library itself in place.
 $(VENV)/.run: requirements.lock pyproject.toml | $(BIN)/python
-	@echo "Setting up $(VENV): 0.8 GB, a minute or two, once; pip's words are in $(PIP_LOG)"
+	@echo "Setting up $(VENV): 0.8 GB, a minute or two, once; pip's output is in $(PIP_LOG)"
 	@$(call quietly,$(BIN)/python -m pip install --require-hashes --requirement requirements.lock)
 	@$(call quietly,$(BIN)/python -m pip install --no-deps --no-build-isolation --editable .)
 	@touch $@
 
 $(VENV)/.dev: requirements-dev.lock $(VENV)/.run
-	@echo "Adding what tests and linters need; pip's words are in $(PIP_LOG)"
+	@echo "Adding what tests and linters need; pip's output is in $(PIP_LOG)"
 	@$(call quietly,$(BIN)/python -m pip install --require-hashes --requirement requirements-dev.lock)
 	@touch $@
 

@@ -30,6 +30,10 @@ PLACEHOLDERS = {
     "results/paper/": "results/quick/",
     "results/paper --output": "results/quick --output",
     "STUDIES=mine": "STUDIES=my-actuator",
+    "config/forty.yaml": "config/paper.yaml",
+    "snakemake models --configfile config/mine.yaml": (
+        "snakemake models --configfile config/my-actuator.yaml"
+    ),
     "snakemake --configfile config/mine.yaml": "snakemake --configfile config/my-actuator.yaml",
     "make resume CONFIG=config/mine.yaml": "make resume CONFIG=config/my-actuator.yaml",
 }
@@ -63,6 +67,9 @@ ELSEWHERE = {
 
 BY_HAND = {
     "git clone <this repository> && cd <its folder>": "the address is the reader's",
+    "git clone <this repository> squeezefilm && make -C squeezefilm .venv/.run": (
+        "the address is the reader's"
+    ),
     "apt install python3 python3-venv make gcc libc6-dev": "a system's own packages",
     "git pull": "the address is the reader's",
     "make clean": "removes what the others made; a unit test runs the recipe",

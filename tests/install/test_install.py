@@ -17,7 +17,7 @@ import json, sys
 import squeezefilm as sf
 study = sf.load("paper.yaml")
 force = study.force(h0="5 um", hv="2.2 um")
-field = study.pressure(h0="5 um", hv="2.2 um", places=5, instants=4, tolerance=1e-2)
+field = study.pressure(h0="5 um", hv="2.2 um", points_per_side=5, time_points=4, tolerance=1e-2)
 fit = study.fit("two_factor")
 print(json.dumps({
     "place": sf.__file__, "force_n": force.force_n, "units": field.gauge_pressure.attrs["units"],

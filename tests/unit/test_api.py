@@ -132,7 +132,7 @@ def test_a_film_needs_no_file():
 @pytest.mark.parametrize("inertia", ["none", "included"])
 def test_the_mean_of_the_pressure_is_the_force(inertia):
     film = sf.Film.of(actuator=DISC, pad=PAD, gas={"inertia": inertia})
-    field = film.pressure("5 um", "2 um", places=401, instants=16, tolerance=1e-3)
+    field = film.pressure("5 um", "2 um", points_per_side=401, time_points=16, tolerance=1e-3)
     assert field.gauge_pressure.dims == ("phase", "y", "x")
     assert field.gauge_pressure.attrs["units"] == "Pa"
     mean_n = float(field.gauge_pressure.mean("phase").integrate(["x", "y"]))
@@ -149,9 +149,9 @@ def test_a_pressure_field_is_a_file(suffix, study, tmp_path):
 
     path = tmp_path / f"field.{suffix}"
     words = ["--config", str(study.config.path), "--h0=5um", "--hv=1um", "--x", "-1mm"]
-    more = ["--places", "5", "--instants", "8", "--output", str(path)]
+    more = ["--points-per-side", "5", "--time-points", "8", "--output", str(path)]
     assert main(["pressure", *words, *more]) == 0
-    field = study.pressure("5 um", "1 um", x="-1 mm", places=5, instants=8)
+    field = study.pressure("5 um", "1 um", x="-1 mm", points_per_side=5, time_points=8)
     if suffix == "nc":
         with xarray.open_dataset(path, engine="scipy") as found:
             xarray.testing.assert_allclose(found, field)

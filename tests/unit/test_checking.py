@@ -67,8 +67,20 @@ def test_of_what_failed_causes_stand_first():
     files = re.findall(r"results/mine/(\w+)", check.terminal_text(table, results))
     assert files == ["simulations", "fits", "claims"]
     failed_files = check.failed_files(table, results)
-    page = render_template("check.md", summary="", files=failed_files, plan_size=1, table=table)
+    page = render_template(
+        "check.md", summary="", files=failed_files, plan_size=1, worst=table, table=table
+    )
     assert re.findall(r"`results/mine/(\w+)", page) == files
+
+
+def test_each_part_has_its_worst_quantity():
+    count, names, forces = quantities(FORCES)
+    found = [count._replace(part="a"), names, forces]
+    close = {forces[:3]: {**forces.cell_texts, "row 1": "0.0100000001"}}
+    worst = check.worst_of_each_part(compare_quantities(found, stored(found[:2]) | close))
+    assert worst["part"].tolist() == ["a", "data"]
+    assert worst["passed"].tolist() == [1, 2]
+    assert worst["quantity"].tolist() == ["–", "force_n"]
 
 
 def test_the_page_begins_with_verdicts():

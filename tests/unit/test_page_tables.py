@@ -27,11 +27,13 @@ def test_the_claims_have_their_verdict_beside_them():
     claim = {"claim_id": "a", "claim": "force", "paper": "1", "ours": "2", "unit": "N"}
     claim |= {"kind": "result", "verdict": "differs because", "explanation": "long"}
     claims = pd.DataFrame([claim, claim | {"kind": "setting", "verdict": "agrees exactly"}])
-    page = render_template("claims.md", claims=claims, **claim_verdict_counts(claims))
+    counts = claim_verdict_counts(claims)
+    page = render_template("claims.md", claims=claims, variant="", **counts)
     assert [head[:2] for head in heads(page)] == 2 * [["claim", "verdict"]]
     assert '<td class="bad">differs' in html_of_markdown(page)
-    count = "0 of the 1 results of the paper that this study decides agree; 1 of 1 settings"
-    assert count in page
+    assert "0 of 1 results of the paper agree; 1 of 1 settings" in page
+    assert "variant" not in page
+    assert "variant" in render_template("claims.md", claims=claims, variant="another pad", **counts)
     assert page.index("differs because") < page.index("## Settings") < page.index("agrees exactly")
 
 

@@ -161,7 +161,7 @@ def test_two_studies_are_two_modules(repository, tmp_path):
         text = yaml.safe_dump({**study, "study": name})
         (tmp_path / f"config/{name}.yaml").write_text(text, encoding="utf-8")
     (tmp_path / "squeezefilm").symlink_to(repository)
-    page = (repository / "docs/reference/configuration.md").read_text(encoding="utf-8")
+    page = (repository / "docs/how-to/modules.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"^    import yaml\n(?:(?:    .*)?\n)*", page, re.MULTILINE)
     (tmp_path / "Snakefile").write_text(dedent(shown), encoding="utf-8")
     figure = "results/mine/figures/measurements.svg"

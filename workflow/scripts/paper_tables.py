@@ -1,5 +1,6 @@
 """Write the paper's tables and its claims beside ours, each with a page."""
 
+from squeezefilm.config.notes import differences_from_paper
 from squeezefilm.table_writer import write_table
 from squeezefilm_workflow.finished import results_of_job
 from squeezefilm_workflow.job import Job, Study, run_script, write_outputs
@@ -19,7 +20,9 @@ def main(snakemake: Job, config: Study) -> None:
         write_page(render_template("table.md", **table.template_values), page)
     claims = claims_with_verdicts(results)
     write_table(claims, results.folder / "claims.csv")
-    text = render_template("claims.md", claims=claims, **claim_verdict_counts(claims))
+    variant = ", ".join(differences_from_paper(config))
+    counts = claim_verdict_counts(claims)
+    text = render_template("claims.md", claims=claims, variant=variant, **counts)
     write_page(text, results.folder / "report/claims.html")
 
 

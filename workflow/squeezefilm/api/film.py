@@ -115,14 +115,14 @@ def parse_factor_values(values: FactorValues, *, called: str, unit: str) -> list
     return numbers
 
 
-POINTS_PER_SIDE_RANGE, INSTANT_COUNT_RANGE = (3, 1001), (4, 1024)
+POINTS_PER_SIDE_RANGE, TIME_POINTS_RANGE = (3, 1001), (4, 1024)
 """The least and most of a pressure field, along a side and over a period."""
 UNIT_AND_LABEL_OF_VARIABLE = {
-    "gauge_pressure": ("Pa", "pressure above ambient"),
+    "gauge_pressure": ("Pa", "gauge pressure"),
     "gap": ("m", "gap between surface and pad"),
     "phase": ("degree", "phase"),
-    "y": ("m", "from the pad's centre along its own y axis"),
-    "x": ("m", "from the pad's centre along its own x axis"),
+    "y": ("m", "y from the pad's centre"),
+    "x": ("m", "x from the pad's centre"),
     "time": ("s", "time"),
 }
 PRESSURE_TOLERANCE = 1e-4
@@ -215,7 +215,7 @@ class Film:
 
     @property
     def scan(self) -> SmoothedScan | None:
-        """The measured vibration shape with all that is known of it; None if it is not measured.
+        """The measured mode shape with its noise and notes; None if it is not measured.
 
         Example:
             >>> study.scan is None  # a formula, not a measured profile
@@ -265,12 +265,12 @@ class Film:
         """The mean force at one operating point, with its numerical and modelling error.
 
         Args:
-            tolerance: required relative error, instead of the film's own.
-            method: of the solver, instead of the film's own (docs/explanation/physics.md).
-            outputs: further quantities, ``solution.outputs`` of it (docs/outputs.md), instead
-                of the study's; ``["all"]`` for all.
-            derivatives: of the force to gap, amplitude, position and gas too,
-                ``solution.derivatives`` of it (docs/outputs.md#derivatives).
+            tolerance: required relative error; that of the study by default.
+            method: solver method (docs/explanation/physics.md); that of the study by default.
+            outputs: further quantities (docs/outputs.md), found in ``force.solution.outputs``;
+                ``["all"]`` for all; those of the study by default.
+            derivatives: whether derivatives with respect to gap, amplitude, position and gas are
+                found in ``force.solution.derivatives`` (docs/outputs.md#derivatives).
 
         Raises InputError as ``scene`` does, RunError saying why there is no force.
 
@@ -376,7 +376,7 @@ class Film:
             load: loads; the weight of each mass by default.
             mass: levitated masses, for resonance and damping ratio too.
 
-        Raises InputError for neither of both, and as ``scene`` does.
+        Raises InputError without load and mass, and as ``scene`` does.
 
         Example:
             >>> film = sf.Film.read("config/levitation.yaml")
@@ -435,8 +435,8 @@ class Film:
         h0: str | float,
         hv: str | float,
         *,
-        places: int = 41,
-        instants: int = 32,
+        points_per_side: int = 41,
+        time_points: int = 32,
         tolerance: float = PRESSURE_TOLERANCE,
         **position: Unpack[Position],
     ) -> xarray.Dataset:
@@ -446,8 +446,8 @@ class Film:
         own axes; NaN outside an elliptical pad.
 
         Args:
-            places: number along x and along y, evenly spaced, film edge included.
-            instants: number over the period; even.
+            points_per_side: number along x and along y, evenly spaced, film edge included.
+            time_points: number per period; even.
             tolerance: largest change of a value under grid refinement, over the largest value.
 
         Raises InputError as ``scene`` does, for numbers out of range and without xarray, RunError
@@ -460,21 +460,26 @@ class Film:
         with imports_from_extra("fields", what="a pressure field"):
             import xarray
         for name, value, least, most in (
-            ("places", places, *POINTS_PER_SIDE_RANGE),
-            ("instants", instants, *INSTANT_COUNT_RANGE),
+            ("points_per_side", points_per_side, *POINTS_PER_SIDE_RANGE),
+            ("time_points", time_points, *TIME_POINTS_RANGE),
             ("tolerance", tolerance, 1e-8, 0.1),
         ):
             if not least <= value <= most:
                 raise InputError(f"{name}: {value:g} must lie within {least:g} … {most:g}")
-        if instants % 2:
-            raise InputError(f"instants: {instants} must be even")
+        if time_points % 2:
+            raise InputError(f"time_points: {time_points} must be even")
         solver = self.solver(method="periodic")
         (scene,) = solver.with_auto_terms_decided([self.scene(h0, hv, **position)])
-        across = np.linspace(0.0, 1.0, places)
+        across = np.linspace(0.0, 1.0, points_per_side)
         gauge_pressure_ratio, change = gauge_pressure_and_change(
-            scene, x=across, y=across, instants=instants, tolerance=tolerance, device=self.device
+            scene,
+            x=across,
+            y=across,
+            time_points=time_points,
+            tolerance=tolerance,
+            device=self.device,
         )
-        phase = 2 * np.pi * np.arange(instants) / instants
+        phase = 2 * np.pi * np.arange(time_points) / time_points
         gap_m = scene.h0_m * np.moveaxis(scene.gap(*np.meshgrid(across, across), phase), -1, 0)
         ambient, pad, axes = scene.gas.ambient_pressure_pa, scene.pad, ("phase", "y", "x")
         field = xarray.Dataset(

@@ -71,7 +71,7 @@ class Fit:
 
     @property
     def about(self) -> dict[str, str]:
-        """The model's name and what is known of its error, as a row."""
+        """The model's name and the statement of its error, as a row."""
         return {"model": self.name, "validation": self.statement}
 
     @property
@@ -96,14 +96,14 @@ class Fit:
         """
         return self.predict_at(points_of_factors(h0=h0, hv=hv, **position))
 
-    def predict_at(self, points: pd.DataFrame, *, place: object = "predict") -> pd.DataFrame:
+    def predict_at(self, points: pd.DataFrame, *, source: object = "predict") -> pd.DataFrame:
         """The model's forces at a table of points: h0_m, hv_m and a position, if any.
 
         ``error_95_n`` and ``error_99_n`` are the half widths of the prediction interval
         (``statement`` says what it is); empty where a point is not validated, and ``note`` says
         why. ``validity`` is ``ok``, or the limits of validity of the film equation that the point's
         film exceeds, or why there is no film, and then no force.
-        Raises InputError naming the place, for values without physical meaning.
+        Raises InputError that begins with ``source``, for values without physical meaning.
 
         Example:
             >>> fit.predict_at(pd.DataFrame({"h0_m": [6e-6], "hv_m": [1e-6]}))["force_n"]
@@ -111,7 +111,7 @@ class Fit:
         from squeezefilm.models.data import factors_of_table
 
         fit = self.model
-        with prefix_errors(place):
+        with prefix_errors(source):
             points = _points_with_factor_columns(points, needed=FACTOR_COLUMNS[:2])
             given = factors_of_table(points)
         factors, has_film = fit.folded_factors(given), [not t for t in fit.no_film_texts(given)]

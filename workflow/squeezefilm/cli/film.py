@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from squeezefilm.api.film import INSTANT_COUNT_RANGE, POINTS_PER_SIDE_RANGE, Film
+from squeezefilm.api.film import POINTS_PER_SIDE_RANGE, TIME_POINTS_RANGE, Film
 from squeezefilm.api.forces import (
     budget_table,
     forces_table,
@@ -200,15 +200,15 @@ def error_budget(options: argparse.Namespace) -> None:
     CONFIG_OPTION,
     option("--output", "FIELD", ".csv or .nc, to write", required=True),
     option(
-        "--places",
+        "--points-per-side",
         None,
-        "points a side, {} to {}".format(*POINTS_PER_SIDE_RANGE),
+        "points along x and along y, {} to {}".format(*POINTS_PER_SIDE_RANGE),
         type=int,
         default=41,
     ),
     option(
-        "--instants",
-        help="times, even, {} to {}".format(*INSTANT_COUNT_RANGE),
+        "--time-points",
+        help="time points per period, even, {} to {}".format(*TIME_POINTS_RANGE),
         type=int,
         default=32,
     ),
@@ -220,7 +220,7 @@ def pressure(options: argparse.Namespace) -> None:
       squeezefilm pressure --h0 5um --hv 2.2um --output field.csv
       squeezefilm pressure --h0 5um --hv 2.2um --x 1mm --output field.nc --config CONFIG.yaml
 
-    A CSV table has a row for each instant and place: phase_deg, time_s, x_m, y_m (from the pad's
+    A CSV table has a row for each time and point: phase_deg, time_s, x_m, y_m (from the pad's
     centre, along its own axes), gauge_pressure_pa, gap_m. A name that ends in .nc makes a NetCDF
     file, with units and what was solved among its attributes. Both need xarray: the extra `fields`.
     """
@@ -230,7 +230,9 @@ def pressure(options: argparse.Namespace) -> None:
     if not (given["h0"] and given["hv"]):
         raise InputError("give --h0 and --hv")
     film = film_of_options(options)
-    field = film.pressure(**given, places=options.places, instants=options.instants)
+    field = film.pressure(
+        **given, points_per_side=options.points_per_side, time_points=options.time_points
+    )
     if options.output.endswith(".nc"):
         with atomic_file(options.output) as path:
             field.to_netcdf(path, engine="scipy")

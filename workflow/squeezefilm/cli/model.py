@@ -59,7 +59,7 @@ def predict(options: argparse.Namespace) -> None:
         table, source = _points_of_options(options), "predict"
         if not {"h0_m", "hv_m"} <= set(table):
             raise InputError("predict: give --h0 and --hv, or --points")
-    predicted = fit.predict_at(table, place=source)
+    predicted = fit.predict_at(table, source=source)
     _show_results(predicted, "force_n", options, source=source, **fit.about)
 
 

@@ -94,7 +94,7 @@ def _readable_assumptions(rows: pd.DataFrame) -> pd.DataFrame:
         "force (N)": range_column("force", "_n"),
         "needed": text_column("needed"),
         "reached (N)": range_column("reached", "_n"),
-        "because": rows["because"],
+        "source": rows["because"],
     }
     return pd.DataFrame(shown)
 

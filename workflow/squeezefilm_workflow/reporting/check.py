@@ -187,6 +187,9 @@ def check_page(results: Results, *, reference: str) -> Page:
     values = {
         "summary": passed_and_failed_text(table, study=results.folder.name),
         "files": failed_files(table, results.folder),
+        "worst": worst_of_each_part(table).assign(
+            of_tolerance=lambda worst: worst["of_tolerance"].map("{:.2g}".format)
+        ),
         "table": shown,
         "plan_size": MAX_FORCES_ALL_KEPT,
     }
@@ -349,13 +352,22 @@ def failed_files(table: pd.DataFrame, folder: Path) -> list[Path]:
     return list(dict.fromkeys(paths))
 
 
+def worst_of_each_part(table: pd.DataFrame) -> pd.DataFrame:
+    """Return how many quantities of each part passed, and the worst of them.
+
+    A part that equals the reference has no worst quantity.
+    """
+    parts = table[table["verdict"] == PASSED].groupby("part", sort=False)
+    worst = table.loc[parts["of_tolerance"].idxmax(), ["part", "of_tolerance", "item", "quantity"]]
+    worst.insert(1, "passed", parts.size().to_numpy())
+    worst[["item", "quantity"]] = worst[["item", "quantity"]].where(worst["of_tolerance"] > 0, "–")
+    return worst
+
+
 def terminal_text(table: pd.DataFrame, folder: Path) -> str:
-    """Return each part's worst quantity, what failed in a folder of results, and the summary."""
-    failed = table["verdict"] != PASSED
-    worst = table.loc[table.groupby("part", sort=False)["of_tolerance"].idxmax()]
-    worst = worst[worst["verdict"] == PASSED]
-    kinds = {"Worst of each part": worst[["part", "item", "quantity", "of_tolerance"]]}
-    rows = failures_first(table[failed])
+    """Return the worst of each part, what failed in a folder of results, and the summary."""
+    kinds = {"Worst of each part, of what passed": worst_of_each_part(table)}
+    rows = failures_first(table[table["verdict"] != PASSED])
     if len(rows):
         kinds["Failed"] = rows
     files = failed_files(table, folder)

@@ -34,7 +34,7 @@ def cross_section(scene: Scene, *, device: Device) -> pd.DataFrame:
             scene,
             x=x,
             y=middle[:1],
-            instants=TIMES_PER_PERIOD,
+            time_points=TIMES_PER_PERIOD,
             tolerance=PRESSURE_TOLERANCE,
             device=device,
         )

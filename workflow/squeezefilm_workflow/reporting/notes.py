@@ -23,9 +23,8 @@ def claim_verdict_counts(claims: pd.DataFrame) -> dict[str, Any]:
     agree, result = verdict.startswith("agrees"), claims["kind"] == "result"
     small = int(result[undecided.index].sum())
     count = (
-        f"{(agree & result).sum()} of the {result.sum() - small} results of the paper that this "
-        f"study decides agree; {(agree & ~result).sum()} of {(~result).sum()} settings are the "
-        "paper's"
+        f"{(agree & result).sum()} of {result.sum() - small} results of the paper agree; "
+        f"{(agree & ~result).sum()} of {(~result).sum()} settings are the paper's"
     )
     if small:
         count += f". The study is too small to decide the other {small} results"

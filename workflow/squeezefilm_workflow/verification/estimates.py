@@ -32,6 +32,14 @@ MIN_DIRECT_TOLERANCE = 1e-8
 # Films between two writings of the tables.
 FILMS_PER_WRITE = 20
 QUANTILES = (0.5, 0.9, 0.99, 0.999)
+ABOUT_ESTIMATES = (
+    "quantiles of the error of a force over its estimate; the error is the difference from a "
+    "direct solution at a small part of the tolerance; counts of forces within, outside, without "
+    "force, without that solution; even gap: uniform; shaped gap: non-uniform, or two quadrature "
+    "components"
+)
+ABOUT_GUARDS = "the same quantiles on recorded grids, without each guard of the estimate in turn"
+ABOUT_STORED = "films outside their estimate without the guards that the name has"
 ESTIMATE_OUTCOMES = ("within", "outside", "no force", "no direct solution")
 RANDOM_FILM_COLUMNS = [field.name for field in fields(RandomFilm)]
 # Guards of the error estimate, and the value with which each changes nothing.
@@ -131,7 +139,7 @@ def estimates(options: argparse.Namespace) -> None:
     call = f"estimates --films {options.films} --seed {options.seed} --output FORCES.csv"
     call += " --with-inertia" * options.with_inertia
     call += f" --summary {Path(options.summary).name}"
-    write_with_origin(shown, options.summary, command=call)
+    write_with_origin(shown, options.summary, command=call, about=ABOUT_ESTIMATES)
     print(shown.to_string(index=False))
     outside = table.loc[table["outcome"] == "outside", "film"].unique()
     if len(outside):
@@ -378,7 +386,7 @@ def guards(options: argparse.Namespace) -> None:
         )
     table = pd.DataFrame(rows)
     call = f"guards --forces FORCES.csv --grids GRIDS.csv --output {options.output}"
-    write_with_origin(table, options.output, command=call)
+    write_with_origin(table, options.output, command=call, about=ABOUT_GUARDS)
     print(table.to_string(index=False))
 
 
@@ -396,7 +404,8 @@ def stored_films(options: argparse.Namespace) -> None:
         tolerance = ALL_TERMS_CAMPAIGN.direct_tolerance(film.tolerance)
         ((force, error),) = _gauge_pressures_and_errors([film.scene], tolerance)
         table.loc[index, ["force", "force_error"]] = float(f"{force:.9g}"), float(f"{error:.2g}")
-        write_with_origin(table, options.output, command=f"stored-films --output {options.output}")
+        call = f"stored-films --output {options.output}"
+        write_with_origin(table, options.output, command=call, about=ABOUT_STORED)
 
 
 def read_stored_films(path: Path) -> pd.DataFrame:

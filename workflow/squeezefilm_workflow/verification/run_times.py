@@ -1,6 +1,7 @@
 """Run times: the paper by rule, one force by part, many scenes on host and device."""
 
 import argparse
+import inspect
 import re
 import resource
 import subprocess
@@ -70,7 +71,8 @@ def run_times(options: argparse.Namespace) -> None:
         table = measured()
         print(table.to_string(index=False))
         path = options.output / f"{name}.csv"
-        write_with_origin(table, path, command="run-times --output docs/data")
+        about = str(inspect.getdoc(measured)).split("\n\n", 1)[0]
+        write_with_origin(table, path, command="run-times --output docs/data", about=about)
 
 
 def paper_run_times(logs: Path = Path("logs/paper")) -> pd.DataFrame:
@@ -193,7 +195,7 @@ def equal_error(films: tuple[Scene, ...] = TIMED_FILMS[1:2]) -> pd.DataFrame:
 
 
 def equal_error_with_effects() -> pd.DataFrame:
-    """Return the same of films with inertia and thermal effects."""
+    """First and last run of dense collocation with inertia and thermal effects, at equal error."""
     return equal_error(TIMED_FILMS[4:])
 
 

@@ -75,7 +75,10 @@ def stability_plane(options: argparse.Namespace) -> None:
     write_table(table, options.output)
     summary = verdict_summary(table)
     call = "stability-plane --output TABLE.csv --summary SUMMARY.csv"
-    write_with_origin(summary, options.summary, command=call)
+    about = (
+        "verdicts by pad and Re; largest relative differences from finer grids and another program"
+    )
+    write_with_origin(summary, options.summary, command=call, about=about)
     print(summary.to_csv(index=False))
     raise_if_film_failed(table)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -44,7 +45,7 @@ def read_scan(
     """
     path = Path(path)
     if not path.exists():
-        raise InputError(f"{path}: there is no such scan")
+        raise InputError(f"{os.path.normpath(path)}: there is no such scan")
     with prefix_errors(path):
         if path.suffix.lower() in UNIVERSAL_FILE_SUFFIXES:
             scan = read_universal_file(path, frequency_hz, rows)

@@ -51,7 +51,7 @@ def overview(results: Results) -> Figure:
     note = (
         f"1: {'pressure and gap' if pressure else 'gap'} at {point}; red: surface up, blue: down"
         f"{', black: mean pressure' * pressure}. 2: model (mesh) fitted to the screen (dots). "
-        "3: screen (rings), D-optimal points (black). 4: error of the model fitted to the black "
+        "3: screen (rings), optimal design (black). 4: error of the model fitted to the black "
         f"points, interpolated linearly{band_line}."
     )
     below = style.add_note(figure, note, results.validity_note)
