@@ -27,6 +27,7 @@ from squeezefilm.errors import (
     InputError,
     RunError,
     imports_from_extra,
+    point_text,
     prefix_errors,
     raise_row_problems,
 )
@@ -188,7 +189,7 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
     for name in ("force_n", "force_error_n"):
         bad = table.loc[(table["status"] == "ok") & ~np.isfinite(table[name]), "point_id"]
         if len(bad):
-            raise InputError(f"{path}: point {bad.iloc[0]}: {name} is not a finite number")
+            raise InputError(f"{path}: {point_text(bad.iloc[0])}: {name} is not a finite number")
     return table
 
 
@@ -206,7 +207,7 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
 def failed_point_texts(forces: pd.DataFrame) -> list[str]:
     """The points of a table without a force, each with its reason."""
     failed = forces[forces["status"] != "ok"]
-    return [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
+    return [f"{point_text(row.point_id)}: {row.status}" for row in failed.itertuples()]
 
 
 def no_force_message(failures: Sequence[str], source: Path | str) -> str:
@@ -617,6 +618,8 @@ def checked_table_path(path: Path | str) -> str:
     Raises InputError for a name that says that something else is in the file, for Parquet without
     the package that writes it, and where no file can be: before anything is computed.
     """
+    if str(path) == "-":
+        raise InputError("-: a table is written to a file; give its name")
     suffix, folders = Path(path).suffix, Path(path).absolute().parents
     folder = next(folder for folder in folders if folder.exists())  # the rest will be made
     if not (folder.is_dir() and os.access(folder, os.W_OK)):

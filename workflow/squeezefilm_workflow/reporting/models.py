@@ -27,7 +27,7 @@ from squeezefilm.models.prediction_interval import (
 )
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_json, read_ok_forces
 from squeezefilm.units import error_text
-from squeezefilm_workflow.reporting.notes import percent_text
+from squeezefilm_workflow.reporting.notes import percent_text, with_minus_signs
 from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
 
@@ -77,7 +77,7 @@ def models_page(results: Results, *, space: str) -> Page:
         "space": space,
         "shown": shown.drop(columns=same),
         "counts": ", ".join(f"{name} {shown[name].iloc[0]}" for name in same),
-        "statement": next((fit.statement for fit in fits), ""),
+        "statement": next((with_minus_signs(fit.statement) for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
         "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),
         "parameters": readable_table(_parameters_with_intervals(results, space, fits)),
@@ -119,6 +119,7 @@ def shown_models_table(judged: pd.DataFrame) -> pd.DataFrame:
             )
         ],
         least_coverage=[f"{percent_text(least)}, {region}" for least, region in regions],
+        validation_worst_n=judged["validation_worst_n"].map("{:.3g}".format),
     )
     return readable_table(judged[list(SHOWN_COLUMN_TITLES)]).set_axis(
         [*SHOWN_COLUMN_TITLES.values()], axis="columns"
