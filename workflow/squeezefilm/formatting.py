@@ -204,10 +204,9 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     if isinstance(value, list):
         return [_row_value_text(name, each, row) for each in value]
     if isinstance(value, Mapping):
-        errors = {error for each in value for error in error_columns(each, value)}
-        return ", ".join(
-            " ".join(labelled_text(each, value)) for each in value if each not in errors
-        )
+        beside = {error for each in value for error in error_columns(each, value)}
+        labelled = (labelled_text(each, value) for each in value if each not in beside)
+        return ", ".join(map(" ".join, labelled))
     stem, unit = quantity_and_unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")

@@ -98,7 +98,7 @@ def new(options: argparse.Namespace) -> None:
     try:
         parse_config(text, path=config)
     except InputError:  # of an example with another name
-        close = re.sub("[^a-z0-9_-]+", "-", name.lower()).strip("-_")
+        close = re.sub("[^a-z0-9_-]+", "-", name.lower().removesuffix(".yaml")).strip("-_")[:60]
         hint = f"; did you mean {close!r}?" * bool(close)
         allowed = "lower-case letters, digits, `_`, `-`, at most 60, first a letter or a digit"
         raise InputError(f"{name!r} is no name of a study: {allowed}{hint}") from None
