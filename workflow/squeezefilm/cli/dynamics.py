@@ -119,6 +119,7 @@ def levitate(options: argparse.Namespace) -> None:
     if not alone:
         if options.output is None:
             texts = pd.DataFrame([_load_texts(row) | _levitation_texts(row) for row in rows])
+            texts = texts.assign(status=texts.pop("status"))  # the last column
             print_table(texts.fillna(""), errors=MOTION_ERRORS_TEXT)
         else:
             write_table(levitation_table(rows).assign(**study_name_column(options)), options.output)
@@ -164,7 +165,7 @@ def _levitation_texts(row: dict[str, Any]) -> dict[str, str]:
     names = ("stiffness_n_per_m", "resonance_hz", "damping_ratio", "stable", "unknown_effects")
     texts = dict(labelled_text(name, row) for name in names if name in row)
     short = {label: text.partition(" (")[0] for label, text in texts.items()}
-    return _gap_texts(row) | short | {"note": row["note"]}
+    return _gap_texts(row) | short | {"status": OK, "note": row["note"]}
 
 
 @command(

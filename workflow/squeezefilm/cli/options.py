@@ -179,7 +179,7 @@ def write_or_print_rows(table: pd.DataFrame, options: argparse.Namespace, **abou
         write_table(table, options.output)
         if about:
             noted = int(table.get("note", pd.Series(dtype=str)).fillna("").ne("").sum())
-            note = f"{noted} of {len(table)} rows have a note in the table" * bool(noted)
+            note = f"in the table, of {noted} of {len(table)} rows" * bool(noted)
             print(result_lines_text({**about, "note": note}))
 
 
