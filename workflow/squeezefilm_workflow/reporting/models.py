@@ -140,7 +140,9 @@ def _parameters_with_intervals(
             ranges = parameter_ranges(fit.force_model, factors, force_n, theta)
             rows += [{"model": fit.model} | each.to_dict() for each in ranges]
     table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
-    table["unit"] = table["unit"].str.replace("**", "^")
+    powers = {"**2": "²", "**3": "³", "**4": "⁴", "**": "^"}
+    for written, shown in powers.items():
+        table["unit"] = table["unit"].str.replace(written, shown)
     return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
 
 
