@@ -111,6 +111,8 @@ def small_checkout(repository: Path, folder: Path) -> Path:
     models = block(folder / "docs/how-to/compare-models.md", "models:")
     mine = block(folder / "docs/reference/configuration.md", "study: mine") + models
     (config / "mine.yaml").write_text(mine, encoding="utf-8")
+    disc = block(folder / "docs/how-to/levitate.md", "study: disc")
+    (folder / "disc.yaml").write_text(disc, encoding="utf-8")
     edited(config / "plate.yaml", SMALLER_PLATE)
     edited(config / "sweep.yaml", {r"(points:) 100000": r"\1 1000"})
     return folder

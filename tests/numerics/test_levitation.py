@@ -266,11 +266,12 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
 
 def test_a_printed_table_names_a_reason_once_below_it(capsys):
     assert main(["levitate", "--load", "0.1N,0.4N", "--hv", "2um"]) == 1
-    header, without_gap, with_gap, reason = capsys.readouterr().out.splitlines()
+    header, without_gap, with_gap, _, reason = capsys.readouterr().out.splitlines()
     assert header.split()[-1] == "status"
     assert without_gap.endswith("see note")
     assert with_gap.endswith("ok")
-    assert reason.startswith("note  row 1: no gap is given for 0.1 N: modified Reynolds number")
+    start = "note    row 1: no gap is given for 0.1 N: modified Reynolds number"
+    assert reason.startswith(start)
 
 
 @pytest.mark.parametrize(
@@ -358,7 +359,7 @@ def test_a_table_keeps_every_load_with_a_reason_where_it_has_no_gap(tmp_path, ca
     words = ["levitate", "--load", "0.5N,1000N", "--hv", "1.5um", "--output", str(output)]
     assert main(words) == 1
     first, second, last = capsys.readouterr().err.splitlines()
-    assert last == "squeezefilm: error: 1 of 2 rows have no gap: `status` has the reason"
+    assert last == "squeezefilm: error: no gap for 1 of 2 rows; `status` has the reason"
     assert first.startswith("load 0.5 N, hv 1.5 µm: gap 4.6430")
     assert second.startswith("load 1000 N, hv 1.5 µm: no gap from 1.546 µm to 1000 µm carries")
     table = pd.read_csv(output)

@@ -3,12 +3,14 @@
 import os
 import subprocess
 import sys
+from math import nan
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 from squeezefilm.cli.main import main, modules_by_command
+from squeezefilm.cli.options import print_table
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.table_writer import concatenate_force_parts, write_table
 from squeezefilm.tables import FORCE_COLUMNS, read_forces
@@ -156,5 +158,35 @@ def test_a_table_of_another_format_is_refused_before_anything_is_solved(
     command, monkeypatch, refused, tmp_path
 ):
     monkeypatch.setattr("squeezefilm.api.film.Film.scenes", None)
-    words = [*command.split(), "--hv", "1um", "--output", tmp_path / "x.xlsx"]
-    assert "x.xlsx: a table is written as .csv" in refused(*words)
+    words = [*command.split(), "--hv", "1um", "--output"]
+    assert "x.xlsx: a table is written as .csv" in refused(*words, tmp_path / "x.xlsx")
+    assert "-: a table is written to a file; give its name" in refused(*words, "-")
+
+
+def test_a_row_without_a_name_is_called_by_its_line(tmp_path, refused):
+    path = tmp_path / "scenes.csv"
+    path.write_text("h0_um,hv_um\n5,2\n5,6\n")
+    told = refused("simulate", path, "--output", tmp_path / "forces.csv")
+    assert f"error: {path}: line 3: hv = 6 µm reaches h0 = 5 µm" in told
+
+
+def test_a_printed_table_has_errors_beside_values_and_notes_in_the_order_of_rows(capsys):
+    table = pd.DataFrame(
+        {
+            "h0_m": [1e-5, 2e-5, 3e-5],
+            "force_n": [0.52, 0.1, nan],
+            "force_error_n": [8e-5, nan, nan],
+            "status": ["ok", "ok", "not converged"],
+            "validity": ["ok", "Re is large", "ok"],
+        }
+    )
+    print_table(table)
+    header, first, second, third, *notes = capsys.readouterr().out.splitlines()
+    assert header.split() == ["h0_m", "force_n", "status", "validity"]
+    assert "0.520000 ± 8.0e-05" in first
+    assert "0.1 ± unknown" in second
+    assert "±" not in third
+    assert [" ".join(note.split()) for note in notes] == [
+        "note row 2: Re is large",
+        "row 3: not converged",
+    ]

@@ -96,6 +96,7 @@ WRONG = [  # what is replaced, or begins the file; by what; and what is said
     ),
     ("length_x: 10 mm", "length: 10 mm", "unknown key 'length'; did you mean 'length_x'?"),
     ("  length_x: ", "  contour: 1\n  length_x: ", "pad: unknown key 'contour'"),
+    ("shape: rectangle", "shape: disc", "`curve`; did you mean 'circle'?"),
     ("kind: sinc", "kind: bassel", "; did you mean 'bessel'?"),
     ("inertia: none", "inertia: on", "'on' is none of `none`, `included`, `auto`\n"),
     (

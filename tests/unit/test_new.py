@@ -54,9 +54,20 @@ def test_nothing_is_written_over(tmp_path, refused):
     assert there.read_text() == "mine"
 
 
-@pytest.mark.parametrize("name", ["", "../mine", "a.yaml", "a" * 61, "ä"])
-def test_a_name_is_that_of_a_study(name, tmp_path, refused):
-    assert ": study: " in refused("new", "--folder", str(tmp_path), "--", name)
+@pytest.mark.parametrize(
+    ("name", "close"),
+    [
+        ("", ""),
+        ("../mine", "mine"),
+        ("a.yaml", "a"),
+        ("a" * 61, "a" * 60),
+        ("My Plate", "my-plate"),
+    ],
+)
+def test_a_name_is_that_of_a_study(name, close, tmp_path, refused):
+    told = refused("new", "--folder", str(tmp_path), "--", name)
+    assert f"error: {name!r} is no name of a study" in told
+    assert (f"; did you mean {close!r}?" in told) == bool(close)
     assert not list(tmp_path.iterdir())
 
 

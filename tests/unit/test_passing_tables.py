@@ -103,7 +103,7 @@ def test_forces_over_x_and_y_are_a_map_that_names_gap_amplitude_and_study():
     )
     assert bar.get_ylabel() == "mean force $F$ (N)"
     assert map_axes.get_title() == "$h_0$ = 5 µm, $h_v$ = 1 µm, study mine"
-    assert figure.texts[0].get_text().startswith("Largest error: 1.0e-06 N.")
+    assert figure.texts[0].get_text().startswith("Numerical error: at most 1.0e-06 N.")
     on_a_line = points(y_m=[0.0, 1e-3, 2e-3, 3e-3], x_m=[0.0, 1e-3, 2e-3, 3e-3])
     with pytest.raises(InputError, match="the positions lie on a line"):
         curve_figure(on_a_line)
@@ -142,12 +142,15 @@ def test_curves_are_told_apart_without_colours_and_name_what_is_constant():
 
 def test_a_point_without_a_gap_is_counted_and_not_drawn():
     table = points(x_m=0.0, y_m=0.0, load_n=[1.0, 2.0, 3.0, 4.0], h0_m=[5e-6, 4e-6, 3e-6, None])
-    figure = curve_figure(table.drop(columns=["force_n", "force_error_n"]))
+    table = table.drop(columns=["force_n", "force_error_n"]).assign(status="ok")
+    figure = curve_figure(table)
     (axes,) = figure.axes
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("load (N)", "gap $h_0$ (µm)")
     assert axes.containers[0].lines[0].get_ydata() == pytest.approx([5, 4, 3])
     assert "Without a result: 1 of 4 points; status has the reason." in figure.texts[0].get_text()
     assert axes.lines[-1].get_xdata().tolist() == [4.0]
+    predicted = curve_figure(table.drop(columns="status")).texts[0].get_text()
+    assert "1 of 4 points; validity or note has the reason." in predicted
 
 
 def test_a_levitation_is_drawn_with_its_modelling_error_stiffness_and_resonance():
@@ -170,8 +173,9 @@ def test_a_levitation_is_drawn_with_its_modelling_error_stiffness_and_resonance(
     assert stiffness.containers[0].lines[0].get_ydata() == pytest.approx([10, 20, 30, 40])
     assert resonance.get_ylabel() == "resonance (Hz)"
     note = " ".join(figure.texts[0].get_text().split())
-    assert "Bars: numerical error, at most 0.0010 µm." in note
+    assert "Bars: numerical error, of the gap h0 at most 0.0010 µm." in note
     assert "Bars of the resonance: averaging, thermal effects and inertia." in note
+    assert "Without a resonance: 2 of 4 points; note has the reason." in note
     assert "Bands: the gap with the modelling error." in note
     assert "Hollow" not in note
     without = curve_figure(table.assign(resonance_hz=None))
@@ -201,6 +205,38 @@ def test_gains_are_drawn_over_the_frequency_with_their_absolute_errors():
     assert np.ptp(bars.get_segments()[-1][:, 1]) / 2 == pytest.approx(0.03)
     (bars,) = phase.containers[0].lines[2]
     assert np.ptp(bars.get_segments()[-1][:, 1]) / 2 == pytest.approx(np.degrees(0.02))
+
+
+def test_forces_after_start_and_stop_are_drawn_over_time_without_errors():
+    table = points(x_m=0.0, y_m=0.0, time_s=[0.0, 1e-4, 2e-4, 3e-4], rising_n=[1.0, 2.0, 2.5, 2.6])
+    table = table.drop(columns=["force_n", "force_error_n"]).assign(falling_n=[1.5, 0.5, 0.1, 0.0])
+    figure = curve_figure(table)
+    start, stop = figure.axes
+    assert (start.get_ylabel(), stop.get_xlabel()) == ("force after start (N)", "time (ms)")
+    assert stop.containers[0].lines[0].get_ydata() == pytest.approx([1.5, 0.5, 0.1, 0.0])
+    assert figure.texts[0].get_text() == "Errors: not in the table."
+
+
+def test_the_bar_of_a_settling_time_does_not_reach_below_zero():
+    table = points(x_m=0.0, y_m=0.0, h0_m=[5e-6, 6e-6, 7e-6, 8e-6], corner_hz=500.0)
+    table = table.drop(columns=["force_n", "force_error_n"]).assign(
+        corner_error_hz=1.0, settling_start_s=2e-4, settling_start_error_s=3e-4
+    )
+    (bars,) = curve_figure(table).axes[1].containers[0].lines[2]
+    assert bars.get_segments()[0][:, 1] == pytest.approx([0, 0.5])
+
+
+def test_a_prediction_that_is_not_validated_is_drawn_hollow():
+    """Without a bar it looked exact."""
+    table = points(
+        x_m=0.0, y_m=0.0, h0_m=[5e-6, 6e-6, 7e-6, 8e-6], error_95_n=[0.1, 0.1, 0.1, None]
+    )
+    figure = curve_figure(table.drop(columns="force_error_n"))
+    (hollow,) = (
+        line for line in figure.axes[0].lines if str(line.get_markerfacecolor()) == "white"
+    )
+    assert hollow.get_ydata() == pytest.approx([0.7])
+    assert "Hollow: not validated, error unknown." in figure.texts[0].get_text()
 
 
 def test_a_gap_of_unknown_modelling_error_is_drawn_hollow():

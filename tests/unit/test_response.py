@@ -19,7 +19,7 @@ def test_one_scene_is_told_in_words_and_a_table(capsys):
         "2.1668 ± 0.0032",
         "1.3199 ± 0.0030",
     ]
-    assert told["gains"].startswith("frequency 100 Hz, gain 2.13, phase -4.09 °")
+    assert told["gains"].startswith("frequency 100 Hz, gain 2.1339 ± 0.0035, phase -4.093 ± ")
 
 
 def test_steps_start_and_end_where_the_settled_force_says(tmp_path, repository):

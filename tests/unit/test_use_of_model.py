@@ -347,6 +347,18 @@ def test_one_unit_at_the_end_is_that_of_all_numbers():
             parse_quantities(text, option="--h0", unit="m")
 
 
+@pytest.mark.parametrize("text", ["5um..10um", "5-10um", "5 to 10 um", "5…10um"])
+def test_a_range_in_another_form_is_told_how_it_is_written(text):
+    with pytest.raises(InputError, match="a range is first:last:count, such as 5:10:6um"):
+        parse_quantities(text, option="--h0", unit="m")
+
+
+@pytest.mark.parametrize("text", ["1e-3", "-5", "5kg"])
+def test_a_number_without_its_unit_is_no_range(text):
+    with pytest.raises(InputError, match="must be a number with its unit"):
+        parse_quantities(text, option="--h0", unit="m")
+
+
 @pytest.mark.parametrize(
     ("values", "message"),
     [

@@ -99,3 +99,16 @@ def test_a_line_of_several_loads_states_mass_and_modelling_error(edited, tmp_pat
     assert main([*words, "--output", str(tmp_path / "levitation.csv")]) == 0
     first = capsys.readouterr().err.splitlines()[0]
     assert re.match(r"mass 50 g, load 0\.49 N, hv 1\.5 µm: gap 4\.6.*, modelling error -0", first)
+
+
+def test_a_table_of_several_loads_has_values_with_their_errors(edited, capsys):
+    """It had 25 columns in metres."""
+    words = ["levitate", "--mass", "50g,90kg", "--hv", "1.5um", "--config", str(edited("paper"))]
+    assert main(words) == 1
+    said = capsys.readouterr()
+    header, first, second, *below = said.out.splitlines()
+    assert len(header) <= 180
+    assert re.search(r"50 g  0\.49 N  1\.5 µm  4\.6\d+ ± \S+ µm .* kN/m  9\d\d\S* ± \S+ Hz ", first)
+    assert second.endswith("see note")
+    assert any("row 2: no gap" in line for line in below)
+    assert "no gap for 1 of 2 rows; `status` has the reason" in said.err

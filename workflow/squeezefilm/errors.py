@@ -44,6 +44,11 @@ def raise_row_problems(problems: Sequence[str], *, count: int | None = None) -> 
         raise InputError("\n".join(lines))
 
 
+def point_text(point_id: object) -> str:
+    """Return a point's name for a message; a row without a name is called by its line."""
+    return f"{point_id}" if f"{point_id}".startswith("line ") else f"point {point_id}"
+
+
 @contextmanager
 def prefix_errors(source: object) -> Iterator[None]:
     """Put a place, such as a file's name, before each line of an InputError from within.

@@ -178,7 +178,7 @@ def result_lines_text(row: Mapping[Any, Any]) -> str:
     last += [(column_label(name), rest.pop(name, "")) for name in LAST_COLUMNS]
     errors = {error for name in rest for error in error_columns(name, rest)}
     others = [
-        (column_label(quantity_and_unit_of_column(name)[0]), _row_value_text(name, value, rest))
+        labelled_text(name, rest)
         for name, value in rest.items()
         if name not in errors and value != "ok"
     ]
@@ -193,15 +193,20 @@ def result_lines_text(row: Mapping[Any, Any]) -> str:
     return "\n".join(f"{a:{wide}}  {text}" for a, (_, text) in zip(labels, lines, strict=True))
 
 
+def labelled_text(name: str, row: Mapping[str, Any]) -> tuple[str, Any]:
+    """Return the label of a row's value, and the value with its errors."""
+    label = column_label(quantity_and_unit_of_column(name)[0])
+    return label, _row_value_text(name, row[name], row)
+
+
 def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     """Return a value of a row with its error, or the list of values that it holds."""
     if isinstance(value, list):
         return [_row_value_text(name, each, row) for each in value]
     if isinstance(value, Mapping):
-        stems = {k: quantity_and_unit_of_column(k)[0] for k in value}
-        return ", ".join(
-            f"{column_label(stems[k])} {_row_value_text(k, value[k], value)}" for k in stems
-        )
+        beside = {error for each in value for error in error_columns(each, value)}
+        labelled = (labelled_text(each, value) for each in value if each not in beside)
+        return ", ".join(map(" ".join, labelled))
     stem, unit = quantity_and_unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")

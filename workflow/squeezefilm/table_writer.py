@@ -42,6 +42,8 @@ def checked_table_path(path: Path | str) -> str:
     Raises InputError for a name that says that something else is in the file, for Parquet without
     the package that writes it, and where no file can be: before anything is computed.
     """
+    if str(path) == "-":
+        raise InputError("-: a table is written to a file; give its name")
     suffix, folders = Path(path).suffix, Path(path).absolute().parents
     folder = next(folder for folder in folders if folder.exists())  # the rest will be made
     if not (folder.is_dir() and os.access(folder, os.W_OK)):

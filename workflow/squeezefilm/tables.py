@@ -21,6 +21,7 @@ from squeezefilm.errors import (
     MAX_ROWS_IN_MESSAGE,
     InputError,
     imports_from_extra,
+    point_text,
     prefix_errors,
     raise_row_problems,
 )
@@ -173,7 +174,7 @@ def read_forces(path: Path | str, *, whole: bool = False) -> pd.DataFrame:
     for name in ("force_n", "force_error_n"):
         bad = table.loc[(table["status"] == "ok") & ~np.isfinite(table[name]), "point_id"]
         if len(bad):
-            raise InputError(f"{path}: point {bad.iloc[0]}: {name} is not a finite number")
+            raise InputError(f"{path}: {point_text(bad.iloc[0])}: {name} is not a finite number")
     return table
 
 
@@ -191,7 +192,7 @@ def read_ok_forces(path: Path | str) -> pd.DataFrame:
 def failed_point_texts(forces: pd.DataFrame) -> list[str]:
     """The points of a table without a force, each with its reason."""
     failed = forces[forces["status"] != "ok"]
-    return [f"point {row.point_id}: {row.status}" for row in failed.itertuples()]
+    return [f"{point_text(row.point_id)}: {row.status}" for row in failed.itertuples()]
 
 
 def no_force_message(failures: Sequence[str], source: Path | str) -> str:

@@ -23,6 +23,8 @@ DECIMAL_REGEX = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 NUMBER_PATTERN = re.compile(rf"(?!\s*[-+]?0\d+\s*$)\s*({DECIMAL_REGEX})\s*", re.ASCII)
 SHARED_UNIT_PATTERN = re.compile(r"([-+\d.eE,:\s]*[\d.])\s*([^\d\s.,:]+)\s*")
 """Numbers without units, and the unit at the end that is that of all."""
+OTHER_RANGE = re.compile(r"\d.*?(\.\.|…|–|(?<!e)-|\bto\b).*\d", re.IGNORECASE)
+"""What people write for a range: ``5um..10um``, ``5-10um``, ``5 to 10um``."""
 UNIT_FACTOR_PATTERN = re.compile(
     r"(?P<sign>[/*·\s]*)(?P<name>[^\d\s/*·^²³()]+|1)"
     r"(?:(?:\^|\*\*)?(?P<power>[1-9²³]|\(-?\d+(?:/\d+)?\)))?"
@@ -182,8 +184,12 @@ def parse_quantities(text: str, *, option: str, unit: str) -> list[float]:
     Raises InputError naming the option, as quantity does, for a comma that may be a decimal one,
     and for a value that stands twice.
     """
+    not_a_range = f"{option} {text!r}: a range is first:last:count, such as 5:10:6um"
     if not set(text) & set(",:"):
-        return [parse_quantity(text, option=option, unit=unit)]
+        try:
+            return [parse_quantity(text, option=option, unit=unit)]
+        except InputError as error:
+            raise InputError(not_a_range if OTHER_RANGE.search(text) else str(error)) from None
     shared = SHARED_UNIT_PATTERN.fullmatch(text)
     numbers, unit_of_all = shared.groups() if shared else (text, "")
     *ends, count = numbers.split(":")
@@ -196,7 +202,7 @@ def parse_quantities(text: str, *, option: str, unit: str) -> list[float]:
         values = [parse_quantity(part, option=option, unit=unit) for part in parts]
         return _require_distinct(values, f"{option} {text!r}")
     if len(ends) != 2 or not re.fullmatch(r"\s*\d{1,12}\s*", count, re.ASCII):
-        raise InputError(f"{option} {text!r}: a range is first:last:count, such as 5:10:6um")
+        raise InputError(not_a_range)
     if not 2 <= int(count) <= MAX_SPACED_VALUES:
         raise InputError(f"{option} {text!r}: the count must lie within 2 … {MAX_SPACED_VALUES}")
     first, last = (

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from squeezefilm.errors import prefix_errors
+from squeezefilm.errors import point_text, prefix_errors
 from squeezefilm.film.positions import (
     CARTESIAN_COLUMNS,
     columns_in_table_form,
@@ -394,7 +394,7 @@ def simulate_table(
             for point_id, solution in zip(ids, solutions[may_miss], strict=True):
                 if reason := missing_quantity_reason(solution):
                     missing = incomplete if solution.status == "ok" else failures
-                    missing.append(f"point {point_id}: {reason}")
+                    missing.append(f"{point_text(point_id)}: {reason}")
     for note in unsupported_auto_term_texts(planned[0], method=settings.method):
         print(note, file=sys.stderr)
     count = len(table) - len(failures)

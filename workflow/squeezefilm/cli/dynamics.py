@@ -24,6 +24,7 @@ from squeezefilm.cli.options import (
     option,
     points_of_options,
     points_unless_scenes_table,
+    print_table,
     result_text,
     study_name_column,
     table_output_option,
@@ -31,23 +32,37 @@ from squeezefilm.cli.options import (
 )
 from squeezefilm.dynamics.levitation import valid_range_text
 from squeezefilm.dynamics.levitation_tables import levitation_table
-from squeezefilm.dynamics.response import gain_table, response_table, start_and_stop_table
+from squeezefilm.dynamics.response import (
+    gain_table,
+    response_table,
+    start_and_stop_table,
+    with_gain_errors,
+)
 from squeezefilm.errors import InputError, RunError, prefix_errors
 from squeezefilm.film.positions import CARTESIAN_COLUMNS
 from squeezefilm.film.validity import OK, validity_text
-from squeezefilm.formatting import NOT_AVAILABLE_TEXT, interval_text, scene_row, value_text
+from squeezefilm.formatting import (
+    NOT_AVAILABLE_TEXT,
+    error_text_in_unit,
+    interval_text,
+    labelled_text,
+    scene_row,
+    value_text,
+)
 from squeezefilm.lazy import pd
 from squeezefilm.parallel import print_step
 from squeezefilm.table_writer import write_table
 from squeezefilm.tables import read_scenes
 from squeezefilm.units import parse_quantities
 
+MOTION_ERRORS_TEXT = "of stiffness, resonance and damping ratio: without the modelling error"
+
 
 @command(
     option("--load", "QUANTITY", "e.g. 0.5N; 0.1N,0.2N; 0.1:1:10N"),
     option("--mass", "QUANTITY", "levitated mass, e.g. 50g; 50g,60g, for the resonance"),
     table_output_option(
-        "--output", "LEVITATION.csv", "table to write, a row per load and point, else printed"
+        "--output", "LEVITATION.csv", "table of all columns to write, a row per load and point"
     ),
     *SOLVER_OPTIONS,
     factor_options("h0"),
@@ -97,15 +112,20 @@ def levitate(options: argparse.Namespace) -> None:
     for row in levitations(film, scenes, loads):
         rows.append(row)
         if not alone:
-            print_step(_levitation_text(row))
+            gap = _named(_gap_texts(row)) if row["status"] == OK else row["status"]
+            print_step(f"{_named(_load_texts(row))}: {gap}")
     if (scan := film.scan) is not None:
         without = "note: the error of the stiffness does not include the scan's measurement noise"
         print(without, *scan.warnings, sep="\n", file=sys.stderr)
     if not alone:
-        table = levitation_table(rows)
-        write_or_print_rows(table.assign(**study_name_column(options)), options)
+        if options.output is None:
+            texts = pd.DataFrame([_load_texts(row) | _levitation_texts(row) for row in rows])
+            texts = texts.assign(status=texts.pop("status"))  # the last column
+            print_table(texts.fillna(""), errors=MOTION_ERRORS_TEXT)
+        else:
+            write_table(levitation_table(rows).assign(**study_name_column(options)), options.output)
         if missing := sum(row["status"] != OK for row in rows):
-            raise RunError(f"{missing} of {len(rows)} rows have no gap: `status` has the reason")
+            raise RunError(f"no gap for {missing} of {len(rows)} rows; `status` has the reason")
         return
     status = rows[0]["status"]
     if options.json or status == OK:
@@ -116,17 +136,37 @@ def levitate(options: argparse.Namespace) -> None:
         )
 
 
-def _levitation_text(row: dict[str, Any]) -> str:
-    """Return a row as a line: load, amplitude and position, then the gap with both its errors."""
-    at = [f"mass {1e3 * row['mass_kg']:.6g} g"] if "mass_kg" in row else []
-    at += [f"load {value_text(row['load_n'], 'N')}", f"hv {value_text(row['hv_m'], 'm')}"]
-    at += [f"{name[0]} {value_text(row[name], 'm')}" for name in CARTESIAN_COLUMNS if row[name]]
-    if row["status"] != OK:
-        return f"{', '.join(at)}: {row['status']}"
-    gap = value_text(row["h0_m"], "m", error=row["h0_error_m"])
+def _load_texts(row: dict[str, Any]) -> dict[str, str]:
+    """Return mass, load, amplitude and position of a row by their labels."""
+    texts = {"mass": f"{1e3 * row['mass_kg']:.6g} g"} if "mass_kg" in row else {}
+    texts |= {"load": value_text(row["load_n"], "N"), "hv": value_text(row["hv_m"], "m")}
+    return texts | {name[0]: value_text(row[name], "m") for name in CARTESIAN_COLUMNS if row[name]}
+
+
+def _gap_texts(row: dict[str, Any]) -> dict[str, str]:
+    """Return the gap of a row and its errors by their labels."""
     ends = [1e6 * row[f"h0_modelling_error_{end}_m"] for end in ("lower", "upper")]
-    modelling = f"{interval_text(*ends)} µm" if np.isfinite(ends).all() else NOT_AVAILABLE_TEXT
-    return f"{', '.join(at)}: gap {gap}, modelling error {modelling}"
+    known = np.isfinite(ends).all()
+    texts = {"gap": value_text(row["h0_m"], "m", error=row["h0_error_m"])}
+    texts["modelling error"] = f"{interval_text(*ends)} µm" if known else NOT_AVAILABLE_TEXT
+    if noise_m := row["h0_measurement_noise_m"]:
+        noise = error_text_in_unit(noise_m, value=row["h0_m"], unit="m")
+        texts["measurement noise"] = f"± {noise}"
+    return texts
+
+
+def _named(texts: dict[str, str]) -> str:
+    return ", ".join(f"{label} {text}" for label, text in texts.items())
+
+
+def _levitation_texts(row: dict[str, Any]) -> dict[str, str]:
+    """Return the results of a row by their labels, or the reason for none."""
+    if row["status"] != OK:
+        return {"status": row["status"]}
+    names = ("stiffness_n_per_m", "resonance_hz", "damping_ratio", "stable", "unknown_effects")
+    texts = dict(labelled_text(name, row) for name in names if name in row)
+    short = {label: text.partition(" (")[0] for label, text in texts.items()}
+    return _gap_texts(row) | short | {"status": OK, "note": row["note"]}
 
 
 @command(
@@ -196,7 +236,9 @@ def response(options: argparse.Namespace) -> None:
         for reason in gained.loc[gained["status"] != OK, "status"] if alone else ():
             raise InputError(f"--frequencies {options.frequencies}: {reason}")
         if alone and options.output is None:
-            own = gained[["frequency_hz", "gain", "phase_deg", "error"]].to_dict("records")
+            shown = ["error"] if options.json else ["gain_error", "phase_error_deg"]
+            shown = ["frequency_hz", "gain", "phase_deg", *shown]
+            own = with_gain_errors(gained)[shown].to_dict("records")
             row = table_of_responses.to_dict("records")[0] | {
                 "gains": own,
                 **scene_row(scenes[0].viscous()),

@@ -193,7 +193,10 @@ def error_budget(options: argparse.Namespace) -> None:
     """
     points, film = points_unless_scenes_table(options), film_of_options(options)
     scenes = pd.DataFrame(points) if points else read_scenes(options.scenes)
-    write_or_print_rows(budget_table(scenes, film), options)
+    table = budget_table(scenes, film)
+    if not options.output and len(table) > 1:
+        table = table.loc[:, (table != 0).any()]  # without effects that these films do not have
+    write_or_print_rows(table, options)
 
 
 @command(

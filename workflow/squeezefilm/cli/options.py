@@ -8,12 +8,13 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from operator import itemgetter
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 from squeezefilm.api.film import Film, factor_combinations
-from squeezefilm.columns import error_columns
+from squeezefilm.columns import error_column, error_columns
 from squeezefilm.config.loading import load_film
 from squeezefilm.config.notes import unit_notes
 from squeezefilm.errors import InputError
@@ -178,14 +179,15 @@ def write_or_print_rows(table: pd.DataFrame, options: argparse.Namespace, **abou
         write_table(table, options.output)
         if about:
             noted = int(table.get("note", pd.Series(dtype=str)).fillna("").ne("").sum())
-            note = f"{noted} of {len(table)} rows have a note in the table" * bool(noted)
+            note = f"in the table, of {noted} of {len(table)} rows" * bool(noted)
             print(result_lines_text({**about, "note": note}))
 
 
 def print_table(table: pd.DataFrame, **about: str) -> None:
     """Print a table for people, and below it what is known of all rows and notes on some.
 
-    Columns without content are not shown; rows have numbers where a note needs them.
+    Columns without content are not shown, and errors stand beside their values; rows have numbers
+    where a note needs them.
     """
     table = table.set_index(pd.RangeIndex(1, len(table) + 1))
     texts, notes = _without_notes(table)
@@ -203,6 +205,8 @@ def print_table(table: pd.DataFrame, **about: str) -> None:
                 value_and_error_texts(*value_and_error)[0]
                 for value_and_error in zip(table[name], largest, strict=True)
             ]
+        if (error := error_column(name)) in errors:
+            texts[name] += (" ± " + texts.pop(error)).where(texts[name] != "", "")
         if name in ERROR_PERCENT_COLUMNS:
             texts[name] = table[name].map(error_text, na_action="ignore")
     how: dict[str, Any] = {"na_rep": "", "float_format": lambda value: f"{value:.4g}"}
@@ -214,13 +218,13 @@ def print_table(table: pd.DataFrame, **about: str) -> None:
 def _without_notes(table: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     """Return the columns with content, their reasons as references, and a note for each reason."""
     texts = table.drop(columns=[name for name in table if table[name].eq("").all()])
-    rows_of_reason: dict[str, list[str]] = {}
+    rows_of_reason: dict[str, list[Any]] = {}
     for name in (each for each in ("status", "validity", "note") if each in texts):
         for row, reason in table[name].dropna().items():
             if reason not in ("", OK):
-                rows_of_reason.setdefault(reason, []).append(f"{row}")
+                rows_of_reason.setdefault(reason, []).append(row)
                 texts.loc[row, name] = "see note"
     return texts.drop(columns="note", errors="ignore"), [
-        f"row{'s' * (len(rows) > 1)} {', '.join(rows)}: {reason}"
-        for reason, rows in rows_of_reason.items()
+        f"row{'s' * (len(rows) > 1)} {', '.join(map(str, rows))}: {reason}"
+        for reason, rows in sorted(rows_of_reason.items(), key=itemgetter(1))
     ]

@@ -3,6 +3,7 @@
 import argparse
 import json
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -94,7 +95,13 @@ def new(options: argparse.Namespace) -> None:
         ("THIS_FILE", f"config/{name}.yaml"),
     ):
         text = text.replace(old, named)
-    parse_config(text, path=config)  # refuses a name that is none
+    try:
+        parse_config(text, path=config)
+    except InputError:  # of an example with another name
+        close = re.sub("[^a-z0-9_-]+", "-", name.lower().removesuffix(".yaml")).strip("-_")[:60]
+        hint = f"; did you mean {close!r}?" * bool(close)
+        allowed = "lower-case letters, digits, `_`, `-`, at most 60, first a letter or a digit"
+        raise InputError(f"{name!r} is no name of a study: {allowed}{hint}") from None
     write_text(text, config)
     print(f"{config}: the study; change what is yours")
     if scan in files:

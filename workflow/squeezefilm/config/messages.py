@@ -30,6 +30,8 @@ from squeezefilm.units import (
 )
 
 KEY_ERROR_TYPES = ("missing", "extra_forbidden", "unexpected_keyword_argument")
+SHAPE_OF_WORD = {"disc": "circle", "disk": "circle", "square": "rectangle", "oval": "ellipse"}
+"""What people call the shapes of a pad."""
 TEXT_ERROR_TYPES = ("string_pattern_mismatch", "string_too_short", "string_too_long")
 
 
@@ -102,7 +104,9 @@ def _value_error_message(error: Any, key_path: KeyPath, part: Schema) -> str:
             return f"{where}: missing 'kind' ({allowed_values_text(kinds)})"
         wrong, where, part = error["ctx"]["tag"], f"{where}.kind", kinds
     if "enum" in part:
-        close = _close_match(str(wrong), part["enum"], cutoff=0.7)  # "on" is not "none"
+        close = SHAPE_OF_WORD.get(str(wrong), "")
+        if close not in part["enum"]:
+            close = _close_match(str(wrong), part["enum"], cutoff=0.7)  # "on" is not "none"
         hint = f"; did you mean {close!r}?" if close else ""
         return f"{where}: {wrong!r} is none of {allowed_values_text(part)}{hint}"
     value = reprlib.repr(wrong)

@@ -328,7 +328,7 @@ def _require_finite(values: Any, scene: Scene, status: str) -> Any:
     if not np.isfinite(values).all():
         no_force = f"no force near h0 = {_micrometre_text(scene.h0_m)}: {status}"
         reasons = [*exceeded_limit_texts(scene), no_force, *validity_notes(scene)]
-        raise RunError(f"load: {'; '.join(reasons)}")
+        raise RunError(f"load: no gap is given: {'; '.join(reasons)}")
     return values
 
 

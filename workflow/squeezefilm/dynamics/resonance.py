@@ -18,6 +18,7 @@ from squeezefilm.dynamics.averaged_film import (
 )
 from squeezefilm.dynamics.levitation import Levitation
 from squeezefilm.film.scene import Scene
+from squeezefilm.formatting import percent_text
 from squeezefilm.reynolds.terms.inertia import LAG_PER_REYNOLDS
 from squeezefilm.units import round_up_error
 
@@ -88,7 +89,8 @@ def resonance(levitation: Levitation, *, mass_kg: float) -> Resonance:
         return _unknown_resonance(reason)
     film, error = best_averaged_film(settled)
     if error > MAX_AVERAGED_FORCE_ERROR:
-        return _unknown_resonance(f"the averaged film's settled force is in error by {error:.0%}")
+        by = percent_text(100 * error, sign="")
+        return _unknown_resonance(f"the averaged film's settled force is in error by {by}")
     unit = mass_kg * scene.actuator.angular_frequency_rad_per_s**2
     slow, scale = levitation.stiffness_n_per_m / unit, scene.force_scale_n / scene.h0_m / unit
     lag = LAG_PER_REYNOLDS * scene.modified_reynolds * (scene.gas.inertia == "included")

@@ -340,6 +340,12 @@ def gain_table(
     )
 
 
+def with_gain_errors(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table of gains with the absolute errors of gain and phase."""
+    gain_error, phase_error_deg = table["error"] * table["gain"], np.degrees(table["error"])
+    return table.assign(gain_error=gain_error, phase_error_deg=phase_error_deg)
+
+
 def start_and_stop_table(table: pd.DataFrame, scenes: Sequence[Scene]) -> pd.DataFrame:
     """The table with a row for each scene and time: the mean force after start and stop."""
     unknown = {name: [nan] for name in ("time_s", "rising_n", "falling_n")}

@@ -8,7 +8,7 @@ unverified, or the equation does not apply. The list, with reasons and sources: 
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite
@@ -20,6 +20,7 @@ import numpy as np
 from squeezefilm.errors import (
     MAX_ROWS_IN_MESSAGE,
     InputError,
+    point_text,
     raise_first_problem,
     raise_row_problems,
 )
@@ -104,17 +105,28 @@ class ValidityLimit:
         """The value up to which nothing is exceeded."""
         return min(self.not_applicable_above, self.unverified_above)
 
-    def message_text(self, value: float) -> str:
-        """Return by what a value exceeds the limit, and what that means."""
+    def bound_and_consequence_texts(self, value: float) -> tuple[str, str]:
+        """Return the bound that a value exceeds, and what that means."""
         never = not value <= self.not_applicable_above
         bound = self.not_applicable_above if never else self.unverified_above
         kind = "" if self.film_kind == "all" else f" ({self.film_kind})"
-        number = f"{value:.3g}" if isfinite(value) else "infinite (the gap closes)"
-        named = f"{self.quantity} {self.symbol} = {number}"
-        above = f"{float(f'{bound:.2g}'):g}{kind}"
-        consequence = NOT_APPLICABLE_TEXT if never else ERROR_UNVERIFIED_TEXT
         remedy = f" ({RAREFIED_REMEDY_TEXT})" if never and self.symbol == "Kn" else ""
-        return f"{named} is above {above}: {consequence}{remedy}"
+        consequence = NOT_APPLICABLE_TEXT if never else ERROR_UNVERIFIED_TEXT
+        return f"{float(f'{bound:.2g}'):g}{kind}", f"{consequence}{remedy}"
+
+
+def _message_texts(exceeded: Sequence[tuple[ValidityLimit, float]]) -> list[str]:
+    """Return a text for each quantity and consequence of limits that values exceed."""
+    bounds: dict[tuple[str, str], list[str]] = {}
+    for limit, value in exceeded:
+        number = f"{value:.3g}" if isfinite(value) else "infinite (the gap closes)"
+        bound, consequence = limit.bound_and_consequence_texts(value)
+        named = f"{limit.quantity} {limit.symbol} = {number}"
+        bounds.setdefault((named, consequence), []).append(bound)
+    return [
+        f"{named} is above {' and '.join(several)}: {consequence}"
+        for (named, consequence), several in bounds.items()
+    ]
 
 
 def _read_limits(path: Path) -> tuple[ValidityLimit, ...]:
@@ -156,7 +168,7 @@ def exceeded_limits_by_scene(
     scenes: Scenes, symbols: Iterable[str] = SYMBOL_FUNCTIONS
 ) -> list[list[str]]:
     """Return the limits of some quantities that each scene exceeds, in words."""
-    texts: list[list[str]] = [[] for _ in range(len(scenes))]
+    exceeded: list[list[tuple[ValidityLimit, float]]] = [[] for _ in range(len(scenes))]
     limits = [limit for limit in VALIDITY_LIMITS if limit.symbol in symbols]
     values = {symbol: SYMBOL_FUNCTIONS[symbol](scenes) for symbol in symbols}
     # A value that is no number lies within no bound.
@@ -167,8 +179,8 @@ def exceeded_limits_by_scene(
         for row in np.flatnonzero(
             beyond[at] & FILM_KIND_CONDITIONS[limit.film_kind](scenes)
         ).tolist():
-            texts[row].append(limit.message_text(float(values[limit.symbol][row])))
-    return texts
+            exceeded[row].append((limit, float(values[limit.symbol][row])))
+    return [_message_texts(limits) for limits in exceeded]
 
 
 GAP_RANGE_M = (1e-9, 1e-3)
@@ -257,7 +269,7 @@ def check_scene(scene: Scene, *, place: str | None = None) -> None:
 
     Raises InputError naming the point, the factor and what is allowed.
     """
-    source, h0_m, hv_m = place or f"point {scene.point_id}", scene.h0_m, scene.hv_m
+    source, h0_m, hv_m = place or point_text(scene.point_id), scene.h0_m, scene.hv_m
     least_um, largest_um = (1e6 * gap_m for gap_m in GAP_RANGE_M)
     raise_first_problem(
         source,

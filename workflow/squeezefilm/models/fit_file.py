@@ -315,7 +315,7 @@ class FittedModel(BaseModel):
         scan = 100 * self.profile_uncertainty
         parts = {
             "error_95_without_scan_percent": percent - scan,
-            "profile_uncertainty_percent": scan,
+            "profile_uncertainty_percent": np.where(np.isfinite(force_n), scan, np.nan),
         }
         return {"error_95_percent": percent} | (parts if scan else {})
 

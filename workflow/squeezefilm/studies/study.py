@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from squeezefilm.config.film import FilmSections
-from squeezefilm.errors import InputError, prefix_errors, raise_row_problems
+from squeezefilm.errors import InputError, point_text, prefix_errors, raise_row_problems
 from squeezefilm.film.positions import POLAR_COLUMNS, cartesian_from_polar, columns_in_table_form
 from squeezefilm.film.profiles import Profile
 from squeezefilm.film.scene import Scene, Scenes
@@ -74,7 +74,7 @@ def scenes_of_table(
     if POLAR_COLUMNS[0] in names:
         raise_row_problems(
             [
-                f"point {point_id[row]}: phi_r_m = {x_m[row]:g} must not be negative"
+                f"{point_text(point_id[row])}: phi_r_m = {x_m[row]:g} must not be negative"
                 for row in np.flatnonzero(x_m < 0)
             ]
         )

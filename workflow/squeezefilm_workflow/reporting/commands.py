@@ -53,9 +53,9 @@ def plot(options: argparse.Namespace) -> None:
       squeezefilm plot profile PROFILE.csv --output profile.png
 
     Drawn are forces by `simulate` or `predict`, gaps by `levitate`, amplitudes by `amplitude-for`,
-    and the tables of `response`, but for `--steps`: over the factor with most values, or as a map
-    over x and y. The format follows the name: .png, .svg or .pdf; .csv is the table that a numbered
-    figure of the paper draws. The same results give the same file, byte for byte.
+    and the tables of `response`: over the factor with most values, or as a map over x and y. The
+    format follows the name: .png, .svg or .pdf; .csv is the table that a numbered figure of the
+    paper draws. The same results give the same file, byte for byte.
     """
     tables = (".csv", ".parquet")
     if options.figure.endswith(tables):

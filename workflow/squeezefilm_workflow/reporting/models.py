@@ -28,7 +28,7 @@ from squeezefilm.models.prediction_interval import (
 )
 from squeezefilm.tables import SCENE_COLUMNS, read_forces, read_ok_forces
 from squeezefilm.units import error_text
-from squeezefilm_workflow.reporting.notes import percent_text
+from squeezefilm_workflow.reporting.notes import percent_text, with_minus_signs
 from squeezefilm_workflow.reporting.pages import Page, readable_table
 from squeezefilm_workflow.reporting.results import Results
 
@@ -78,7 +78,7 @@ def models_page(results: Results, *, space: str) -> Page:
         "space": space,
         "shown": shown.drop(columns=same),
         "counts": ", ".join(f"{name} {shown[name].iloc[0]}" for name in same),
-        "statement": next((fit.statement for fit in fits), ""),
+        "statement": next((with_minus_signs(fit.statement) for fit in fits), ""),
         "profile_uncertainty": max((fit.profile_uncertainty for fit in fits), default=0.0),
         "formulas": judged[["model", "expression", "about"]].to_numpy().tolist(),
         "parameters": readable_table(_parameters_with_intervals(results, space, fits)),
@@ -120,6 +120,7 @@ def shown_models_table(judged: pd.DataFrame) -> pd.DataFrame:
             )
         ],
         least_coverage=[f"{percent_text(least)}, {region}" for least, region in regions],
+        validation_worst_n=judged["validation_worst_n"].map("{:.3g}".format),
     )
     return readable_table(judged[list(SHOWN_COLUMN_TITLES)]).set_axis(
         [*SHOWN_COLUMN_TITLES.values()], axis="columns"
@@ -140,7 +141,9 @@ def _parameters_with_intervals(
             ranges = parameter_ranges(fit.force_model, factors, force_n, theta)
             rows += [{"model": fit.model} | each.to_dict() for each in ranges]
     table = pd.DataFrame(rows, columns=["model", "name", "unit", "estimate", "lower", "upper"])
-    table["unit"] = table["unit"].str.replace("**", "^")
+    powers = {"**2": "²", "**3": "³", "**4": "⁴", "**": "^"}
+    for written, shown in powers.items():
+        table["unit"] = table["unit"].str.replace(written, shown)
     return table.rename(columns={"name": "parameter", "lower": "lower_end", "upper": "upper_end"})
 
 

@@ -1,6 +1,7 @@
 """Numbers as pages and figures show them, and how far a study's films go beyond its equation."""
 
 import math
+import re
 from typing import Any
 
 import pandas as pd
@@ -51,6 +52,11 @@ def signed_text(value: float, digits: int = 2) -> str:
 def five_digit_text(value: float) -> str:
     """Five digits; what is zero but for rounding, beside parameters of order 1 to 100, reads 0."""
     return "0" if abs(value) < 1e-12 else f"{value:.5g}".replace("-", "−")
+
+
+def with_minus_signs(sentence: str) -> str:
+    """A sentence of the library, whose numbers have hyphens, as pages have it."""
+    return re.sub(r"(?<=\s)-(?=\d)", "−", sentence)
 
 
 def rounded_up_text(value: float) -> str:

@@ -1,6 +1,7 @@
 """Results of a study, as values: for its page (summary.md) and its report's first page."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -149,7 +150,8 @@ def _amplitude_rows(table: pd.DataFrame) -> pd.DataFrame:
             "pad": table["space"].map({"two_factor": "at the centre", "four_factor": "anywhere"}),
             "model": table["model"],
             **{
-                name: values.map("{:.4g}".format) for name, values in _position_texts(table).items()
+                name: values.map(partial(number_text, digits=3))
+                for name, values in _position_texts(table).items()
             },
             "hv (µm)": shown,
             "95 % error": error.where(table["error_95_percent"].notna(), table["note"]),

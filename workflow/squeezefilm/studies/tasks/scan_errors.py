@@ -12,7 +12,7 @@ import pandas as pd
 
 from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
-from squeezefilm.errors import InputError, RunError
+from squeezefilm.errors import InputError, RunError, point_text
 from squeezefilm.film.measured.smooth import SmoothedScan
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.surfaces import Disc
@@ -73,7 +73,7 @@ def scan_errors_table(
     ]
     solutions = solved(every, tolerance=SCAN_FORCE_TOLERANCE, device=device)
     for row in np.flatnonzero(solutions.status != "ok").tolist():
-        raise RunError(f"point {every[row].point_id}: {solutions.status[row]}")
+        raise RunError(f"{point_text(every[row].point_id)}: {solutions.status[row]}")
     values = solutions.to_frame().drop(columns=[*SOLUTION_COLUMNS[1:]])
     count = len(scenes)
     own, numbers = values.iloc[:count], values.select_dtypes("number")

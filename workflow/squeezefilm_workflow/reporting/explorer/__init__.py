@@ -17,7 +17,7 @@ from squeezefilm.film.positions import columns_in_table_form, find_position_colu
 from squeezefilm.models.export import source_code
 from squeezefilm.models.fit_file import FittedModel, fit_from_values, read_fit
 from squeezefilm.tables import FACTOR_COLUMNS
-from squeezefilm_workflow.reporting.notes import inertia_page_values
+from squeezefilm_workflow.reporting.notes import inertia_page_values, with_minus_signs
 from squeezefilm_workflow.reporting.pages import render_template
 from squeezefilm_workflow.reporting.results import Results
 from squeezefilm_workflow.reporting.summary import modelling_error_text
@@ -118,7 +118,7 @@ def _fit_for_explorer(name: str, fit: FittedModel, plan: str, *, best: bool) -> 
         "low_coverage": []
         if fit.prediction_interval is None
         else [region._asdict() for region in fit.prediction_interval.low_coverage_regions()],
-        "statement": fit.statement,
+        "statement": with_minus_signs(fit.statement),
         "gaps_m": fit.ranges["h0_m"]
         if fit.prediction_interval is None
         else fit.prediction_interval.ranges["h0_m"],

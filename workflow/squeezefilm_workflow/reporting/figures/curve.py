@@ -4,6 +4,7 @@ Results over the factor with most values, a line for each combination of the oth
 the pad moves along both axes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
@@ -12,16 +13,21 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from squeezefilm.columns import COLUMNS, Column, error_column
+from squeezefilm.dynamics.response import with_gain_errors
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN_COLUMNS, POLAR_COLUMNS, cartesian_from_polar
 from squeezefilm.film.validity import OK
-from squeezefilm.units import error_text
+from squeezefilm.formatting import NON_NEGATIVE_QUANTITIES
+from squeezefilm.units import error_text, split_unit
 from squeezefilm_workflow.reporting.figures import parts, style
 
 MARKERS = "os^DvPX*<>ph"
 MAX_CURVE_LINES = len(MARKERS)
+MAX_MARKERS = 24
+"""Of a line, about."""
 MAP_WIDTH_IN, MAP_MARGINS_IN, MAP_SHAPE_RANGE = 2.0, 0.7, (0.5, 1.6)
 """Of a map: the width of its axes, title, labels and note, the range of height over width."""
 
@@ -45,8 +51,9 @@ class DrawnResult:
     error_kind: str = "numerical error"
 
 
-AVERAGING_ERROR = "error of averaging, without neglected effects"
 POSITION_COLUMNS = (*CARTESIAN_COLUMNS, *POLAR_COLUMNS)
+NON_NEGATIVE_COLUMNS = {name for name in COLUMNS if split_unit(name)[0] in NON_NEGATIVE_QUANTITIES}
+"""A bar of these does not reach below zero."""
 DRAWN_RESULT_OF_COLUMN = {
     "load_n": DrawnResult(
         "h0_m",
@@ -66,17 +73,21 @@ DRAWN_RESULT_OF_COLUMN = {
         ("corner_error_hz",),
         ("h0_m", "hv_m"),
         lower_panel_columns=("settling_start_s", "instantaneous_fraction"),
-        error_kind=AVERAGING_ERROR,
+        error_kind="error of averaging, of settling also the phase, without neglected effects",
     ),
     "gain": DrawnResult(
         "gain",
         ("gain_error",),
         ("frequency_hz", "h0_m", "hv_m"),
         lower_panel_columns=("phase_deg",),
-        error_kind=AVERAGING_ERROR,
+        error_kind="error of averaging, without neglected effects",
+    ),
+    "rising_n": DrawnResult(
+        "rising_n", (), ("time_s", "h0_m", "hv_m"), lower_panel_columns=("falling_n",)
     ),
 }
-"""What is drawn of a table that has a column: of levitations, amplitudes, forces, responses."""
+"""What is drawn of a table that has a column: of levitations, amplitudes, forces, responses,
+gains, forces over time."""
 
 
 def curve_figure(table: pd.DataFrame) -> Figure:
@@ -95,12 +106,11 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     if result is None or result.result_column not in table:
         raise InputError(
             "there is nothing to draw; drawn are tables of `simulate`, `predict`, `levitate`, "
-            "`amplitude-for` and `response` (but for --steps); of a scan `squeezefilm profile "
-            "--table FILE` makes what `squeezefilm plot profile FILE` draws"
+            "`amplitude-for` and `response`; of a scan `squeezefilm profile --table FILE` makes "
+            "what `squeezefilm plot profile FILE` draws"
         )
     if "gain" in table:
-        gain_error, phase_error_deg = table["error"] * table["gain"], np.degrees(table["error"])
-        table = table.assign(gain_error=gain_error, phase_error_deg=phase_error_deg)
+        table = with_gain_errors(table)
     factors = [name for name in (*result.factor_columns, *POSITION_COLUMNS) if name in table]
     pairs = table[[name for name in ("load_n", "mass_kg") if name in table]].drop_duplicates()
     if "mass_kg" in pairs and len(pairs) > 1 and (pairs.nunique() == len(pairs)).all():
@@ -112,7 +122,9 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     within = known.get("validity", pd.Series(OK, known.index)) == OK
     bounds = [name for name in result.modelling_error_columns if name in table]
     unknown = known[bounds].isna().any(axis=1)
-    known = known.assign(error=error, filled=within & ~unknown)
+    predictions = [name for name in result.error_columns if "95" in name and name in table]
+    not_validated = known[predictions].isna().any(axis=1)
+    known = known.assign(error=error, filled=within & ~unknown & ~not_validated)
     at_one = [name for name in factors if counts[name] == 1]
     title = [_factor_value_text(name, known[name].iloc[0]) for name in at_one if len(known)]
     title += [] if {*factors} & {*POSITION_COLUMNS} else ["pad centred"]
@@ -124,10 +136,14 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     figure.axes[0].set_title(", ".join(title), fontsize=7)
     reasons = ["outside the limits of validity"] * (not within.all())
     reasons += ["modelling error unknown"] * bool(unknown.any())
+    reasons += ["not validated, error unknown"] * bool(not_validated.any())
     if reasons:
         notes.append(f"Hollow: {' or '.join(reasons)}.")
     if without := len(table) - len(known):
-        notes.append(f"Without a result: {without} of {len(table)} points; status has the reason.")
+        reason = "status" if "status" in table else "validity or note"
+        notes.append(
+            f"Without a result: {without} of {len(table)} points; {reason} has the reason."
+        )
     style.add_note(figure, *notes)
     return figure
 
@@ -184,12 +200,15 @@ def _draw_lines(
         rows = rows.sort_values(along)
         at = COLUMNS[along].in_shown_unit(rows[along])
         look: dict[str, Any] = {"color": colour, "marker": marker, "markersize": 3}
+        spaced = {"markevery": max(1, len(rows) // MAX_MARKERS)}
         label = ", ".join(_factor_value_text(name, rows[name].iloc[0]) for name in others)
         for axes, name in zip(all_axes[:, 0], panels, strict=True):
             column = COLUMNS[name]
-            error = rows["error"] if name == result.result_column else rows[error_column(name)]
+            own = "error" if name == result.result_column else error_column(name)
             value = column.in_shown_unit(rows[name])
-            axes.errorbar(at, value, column.in_shown_unit(error), **look, label=label)
+            error = column.in_shown_unit(rows.get(own, 0 * rows[name]))
+            below = np.minimum(error, value) if name in NON_NEGATIVE_COLUMNS else error
+            axes.errorbar(at, value, [below, error], **look, **spaced, label=label)
             doubtful = ~rows["filled"]
             hollow = look | {"linestyle": "", "markerfacecolor": "white", "zorder": 3}
             axes.plot(at[doubtful], value[doubtful], **hollow)
@@ -208,26 +227,39 @@ def _draw_lines(
         top.plot(missing, np.zeros(len(missing)), "x", color="0.3", **below)
     if others:
         figure.legend(loc="outside upper center", ncols=max(1, 4 - len(others)))
-    notes = [_error_bars_text(known, result)]
+    notes = [_error_bars_text(known, result, beside)]
     if "resonance_hz" in panels:
         notes += ["Bars of the resonance: averaging, thermal effects and inertia."]
+        if without := int(known["resonance_hz"].isna().sum()):
+            notes += [
+                f"Without a resonance: {without} of {len(known)} points; note has the reason."
+            ]
     notes += ["Bands: the gap with the modelling error."] * bool(bounds)
     return figure, " ".join(notes)
 
 
-def _error_bars_text(known: pd.DataFrame, result: DrawnResult) -> str:
-    """Describe the bars of the result, and their largest length."""
-    predicted = any("95" in name for name in result.error_columns if name in known)
-    scanned = any(
-        known[name].any() for name in result.error_columns if "noise" in name and name in known
-    )
-    own = f"{result.error_kind} and scan" if scanned else result.error_kind
+def _error_bars_text(known: pd.DataFrame, result: DrawnResult, beside: Sequence[str]) -> str:
+    """Describe the bars of the result, and their largest length.
+
+    Args:
+        beside: results in panels below, whose bars have other lengths.
+    """
+    if not {*result.error_columns} & {*known}:
+        return "Errors: not in the table."
+    own = f"of the {COLUMNS[result.result_column].label} " * bool(beside)
+    return f"Bars: {_error_kind(known, result)}, {own}at most {_largest_error_text(known, result)}."
+
+
+def _error_kind(known: pd.DataFrame, result: DrawnResult) -> str:
+    columns = [name for name in result.error_columns if name in known]
+    if any("95" in name for name in columns):
+        return "prediction error (95 %)"
+    scanned = any(known[name].any() for name in columns if "noise" in name)
+    return f"{result.error_kind} and measurement noise" if scanned else result.error_kind
+
+
+def _largest_error_text(known: pd.DataFrame, result: DrawnResult) -> str:
     column = COLUMNS[result.result_column]
-    kind = "prediction error (95 %)" if predicted else own
-    return f"Bars: {kind}, at most {_largest_error_text(known, column)}."
-
-
-def _largest_error_text(known: pd.DataFrame, column: Column) -> str:
     error = error_text(column.in_shown_unit(known["error"].max()))
     return f"{error} {_unit_text(column)}".rstrip()
 
@@ -252,6 +284,8 @@ def _draw_map(known: pd.DataFrame, result: DrawnResult, position: list[str]) -> 
         fill = "black" if filled else "white"
         parts.draw_dots(axes, rows, fill=fill, x="x", y="y", markersize=2.6)
     axes.set(aspect="equal", xlabel=_axis_label("x_m"), ylabel=_axis_label("y_m"))
-    figure.colorbar(drawn, ax=axes, pad=0.02, format="%g", label=_axis_label(result.result_column))
-    error = f"Largest error: {_largest_error_text(known, column)}."
+    ticks = ScalarFormatter(useOffset=False)
+    figure.colorbar(drawn, ax=axes, pad=0.02, format=ticks, label=_axis_label(result.result_column))
+    kind, largest = _error_kind(known, result), _largest_error_text(known, result)
+    error = f"{kind[0].upper()}{kind[1:]}: at most {largest}."
     return figure, f"{error} Colours: interpolated linearly between dots."

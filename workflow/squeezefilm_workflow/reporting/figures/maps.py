@@ -16,6 +16,7 @@ from squeezefilm.models.data import factors_of_table
 from squeezefilm_workflow.reporting.figures import parts, style
 from squeezefilm_workflow.reporting.notes import (
     bound_percent_text,
+    percent_text,
     signed_text,
     simulation_error_note,
 )
@@ -121,7 +122,7 @@ def amplitudes(results: Results) -> Figure:
             handle.set_facecolor("white")
     first = table.iloc[0]
     where = f"{first['force_n']:g} N at h0 = {1e6 * first['h0_m']:g} µm"
-    errors = f"Largest error of the model: {bound_percent_text(float(first['worst_error']))}."
+    errors = f"Largest error of the model: {percent_text(float(first['worst_error']))}."
     style.add_note(figure, f"By {first['model']} for {where}.", errors, results.validity_note)
     return figure
 
