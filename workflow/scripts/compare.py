@@ -1,4 +1,4 @@
-"""Write the candidates of each space side by side, and the best with the amplitudes that it needs."""
+"""Write the candidates of each space side by side, and the best with the amplitudes it needs."""
 
 from squeezefilm.tables import write_table
 from squeezefilm_workflow.finished import results_of_job
