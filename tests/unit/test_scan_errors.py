@@ -26,7 +26,8 @@ from squeezefilm.film.surfaces import Disc, Rectangle
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 from squeezefilm.studies.study import scene_of_study
-from squeezefilm.studies.tasks.scan_errors import scan_errors_table
+from squeezefilm.studies.tasks import scan_errors
+from squeezefilm.studies.tasks.scan_errors import NEGLECTED_NOISE_FRACTION, scan_errors_table
 from squeezefilm_workflow.reporting.figures.maps import _draw_over_radius
 
 RADIUS_M = 0.01
@@ -105,6 +106,22 @@ def test_ninety_five_percent_of_the_intervals_hold_the_force(scene):
             difference = float(errors.force_n) - true.force_n
             held.append(abs(difference) <= errors.scan_error_n + 1e-3 * true.force_n)
     assert sum(held) >= binom.ppf(0.025, len(held), 0.95)
+
+
+@pytest.mark.parametrize("epsilon", [0.1, 0.9])
+def test_noise_in_a_few_directions_spreads_forces_as_draws_do(scene, monkeypatch, epsilon):
+    """A large pad and a small one; to half of what fifty draws leave open, 1/√98."""
+    device = choose_device()
+    few, drawn = [], []
+    for settings, side_m, x_m in ((WAVE, 10e-3, 3e-3), (DIAMETERS, 4e-3, 5e-3)):
+        scan = smooth(scan_of(profile(settings), noise=0.03, seed=2))
+        pad = replace(scene.pad, length_x_m=side_m, length_y_m=side_m)
+        film = on(replace(scene, hv_m=epsilon * scene.h0_m, x_m=x_m, pad=pad), scan.profile)
+        for spreads, fraction in ((few, NEGLECTED_NOISE_FRACTION), (drawn, -1.0)):
+            monkeypatch.setattr(scan_errors, "NEGLECTED_NOISE_FRACTION", fraction)
+            spreads += scan_errors_table([film], scan, device=device)["spread_n"].tolist()
+    assert few == pytest.approx(drawn, rel=0.05)
+    assert few != drawn
 
 
 COARSE = {

@@ -9,7 +9,7 @@ rule explorer:
     input:
         expand("<results>/fits/{fit}.json", fit=EXPLORER_FITS),
         candidate_files("four_factor"),
-        [] if PAPER else [rules.recommend.output, candidate_files("two_factor")],
+        [] if PAPER else [rules.compare.output.recommended, candidate_files("two_factor")],
         expand("<results>/simulations/{plan}/forces.csv", plan=EXPLORER_PLANS),
         expand(
             "<results>/simulations/screen/{table}.csv", table=["response", "gains", "error_budget"]

@@ -52,25 +52,33 @@ else:
         ["vibration", "fitted_model", "design"],
         [*TWO_FACTOR_DESIGN, "simulations/screen/scenes.csv", "designs/two_factor.csv"],
     )
-    PAGES["amplitudes"] = (["amplitudes"], ["models/recommended.csv"])
+    PAGES["models"] = (["amplitudes"], ["models/recommended.csv"])
 PAGES = {
     page: ([f"figures/{name}" for name in names], files) for page, (names, files) in PAGES.items()
 }
-# Figures of other stages, each on a page of its own.
-OTHERS = {
-    **{
-        f"numerics/{name}": [f"numerics/{name}.csv"]
-        for name in ("work_precision", "stability", "published")
-    },
-    **({"figures/profile": ["figures/profile.csv", "profile/summary.json"]} if SCAN else {}),
-    "figures/measurements": expand("measurements/{file}", file=["comparison.csv", "summary.json"]),
-}
-for space in FITS:
-    OTHERS[f"models/{space}_errors"] = [f"models/{space}.csv", f"models/{space}_errors.csv"]
-    table = f"designs/optimal_{space}_sensitivity"
-    OTHERS[table] = [f"{table}.csv"]
-    refined = [file.removeprefix("<results>/") for file in refined_files(space)]
-    OTHERS[f"refine/{space}_figure"] = [f"refine/{space}.csv", *refined]
+# Those that are checked against a reference, and have a short target; and those of other stages.
+CHECKED = {place: page for page, (places, _) in PAGES.items() for place in places}
+for name in ("work_precision", "stability", "published"):
+    PAGES[name] = ([f"numerics/{name}"], [f"numerics/{name}.csv"])
+if SCAN:
+    PAGES["profile"] = (["figures/profile"], ["figures/profile.csv", "profile/summary.json"])
+PAGES["measurements"] = (
+    ["figures/measurements"],
+    expand("measurements/{file}", file=["comparison.csv", "summary.json"]),
+)
+for page, place, files in (
+    ("models", "models/{space}_errors", ["models/{space}.csv", "models/{space}_errors.csv"]),
+    ("optimal", "designs/optimal_{space}_sensitivity", ["designs/optimal_{space}_sensitivity.csv"]),
+    ("refine", "refine/{space}_figure", ["refine/{space}.csv"]),
+):
+    places, sources = PAGES.get(page, ([], []))
+    PAGES[page] = (
+        [*places, *expand(place, space=FITS)],
+        [*sources, *expand(files, space=FITS)],
+    )
+PAGES["refine"][1].extend(
+    file.removeprefix("<results>/") for space in FITS for file in refined_files(space)
+)
 # Tables and claims of the paper rest on nearly everything.
 OF_THE_PAPER = [
     *expand("simulations/{plan}/forces.csv", plan=["screen", "four_factor", "extrapolation"]),
@@ -88,10 +96,7 @@ OF_THE_PAPER = [
 TABLES = [1, 2, 3]
 
 
-for page, (places, files) in {
-    **PAGES,
-    **{"_".join(Path(place).parts): ([place], files) for place, files in OTHERS.items()},
-}.items():
+for page, (places, files) in PAGES.items():
 
     rule:
         name:
@@ -102,7 +107,7 @@ for page, (places, files) in {
         output:
             [drawing(place) for place in places],
             expand("<results>/{place}.png", place=places),
-            [f"<results>/check/{place}.plain.png" for place in places if page in PAGES],
+            [f"<results>/check/{place}.plain.png" for place in places if place in CHECKED],
             # The paper's numbered figures keep the table that they draw.
             [f"<results>/{place}.csv" for place in places if place.startswith("figures/fig")],
         log:
@@ -119,20 +124,18 @@ for page, (places, files) in {
             "../scripts/draw_figures.py"
 
 
-# One short target a figure.
-for page, (places, _) in PAGES.items():
-    for place in places:
+for place, page in CHECKED.items():
 
-        rule:
-            name:
-                Path(place).name
-            input:
-                getattr(rules, f"draw_{page}").output,
+    rule:
+        name:
+            Path(place).name
+        input:
+            getattr(rules, f"draw_{page}").output,
 
 
 rule figures:
     input:
-        [getattr(rules, f"draw_{page}").output for page in PAGES],
+        [getattr(rules, f"draw_{page}").output for page in dict.fromkeys(CHECKED.values())],
     message:
         "The study's figures are drawn"
 

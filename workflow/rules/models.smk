@@ -58,64 +58,47 @@ for space, (plan, *_) in FITS.items():
             "../scripts/fit.py"
 
 
+# All spaces and what is recommended of them: a process takes longer to start than to compare.
 rule compare:
     input:
-        fits=lambda wildcards: candidate_files(wildcards.space),
-        own=lambda wildcards: f"<results>/fits/{FITS[wildcards.space][0]}.json",
-        points=lambda wildcards: f"<results>/simulations/{FITS[wildcards.space][0]}/forces.csv",
-        forces="<results>/simulations/validation_{space}/forces.csv",
-        limits=lambda wildcards: limit_tables(wildcards.space),
-    output:
-        table="<results>/models/{space}.csv",
-        errors="<results>/models/{space}_errors.csv",
-        page=listed(
-            "models/{space}.html", CATEGORY["Models"], caption="models", shows="table, {space}"
-        ),
-    log:
-        "<logs>/compare/{space}.log",
-    localrule: True
-    conda:
-        "../../envs/workflow.yaml"
-    params:
-        code=code_of("figures", "page"),
-        study=sections("comparison", "screen", *FILM),
-        page="models",
-    message:
-        "Candidates side by side on {wildcards.space} points"
-    script:
-        "../scripts/page.py"
-
-
-rule recommend:
-    input:
-        expand("<results>/models/{space}.csv", space=FITS),
-        expand("<results>/simulations/{plan}/forces.csv", plan=RECOMMENDED_BY),
-        # The model that is recommended is one of these.
         [candidate_files(space) for space in FITS],
+        [limit_tables(space) for space in FITS],
         [f"<results>/fits/{plan}.json" for plan, *_ in FITS.values()],
+        expand("<results>/simulations/{plan}/forces.csv", plan=["screen", *RECOMMENDED_BY]),
     output:
-        "<results>/models/recommended.csv",
+        tables=expand("<results>/models/{space}.csv", space=FITS),
+        errors=expand("<results>/models/{space}_errors.csv", space=FITS),
+        pages=[
+            listed(
+                f"models/{space}.html",
+                CATEGORY["Models"],
+                caption="models",
+                shows=f"table, {space}",
+            )
+            for space in FITS
+        ],
+        recommended="<results>/models/recommended.csv",
     log:
-        "<logs>/recommend.log",
+        "<logs>/compare.log",
     localrule: True
     conda:
         "../../envs/workflow.yaml"
     params:
-        code=code_of("figures", "recommend"),
-        study=sections("extrapolation"),
+        code=code_of("figures", "compare"),
+        study=sections("comparison", "extrapolation", "screen", *FILM),
+        spaces=list(FITS),
     message:
-        "The best model, and the amplitude for the target force at each position"
+        "Candidates side by side, the best, and its amplitude for the target force"
     script:
-        "../scripts/recommend.py"
+        "../scripts/compare.py"
 
 
 rule models:
     input:
         rules.limit_table.output,
-        rules.recommend.output,
         [limit_tables(space) for space in FITS],
         [candidate_files(space) for space in FITS],
-        expand(rules.compare.output, space=FITS),
+        rules.compare.output,
         [pictures(f"models/{space}_errors") for space in FITS],
     message:
         "Compared in results/{STUDY}/models; `squeezefilm recommend results/{STUDY}` names the best"

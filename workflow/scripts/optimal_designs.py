@@ -7,12 +7,18 @@ from squeezefilm.files import read_json
 from squeezefilm.models.fit_file import read_fit
 from squeezefilm.studies.tasks.optimal_designs import designs_of_fit
 from squeezefilm.tables import read_ok_forces, read_scenes
-from squeezefilm_workflow.job import Job, Study, run_script, write_outputs
+from squeezefilm_workflow.job import (
+    Job,
+    Study,
+    run_script,
+    show_progress_on_terminal,
+    write_outputs,
+)
 
 
 def main(snakemake: Job, config: Study) -> None:
     files = snakemake.input
-    with prefix_errors(files.fit):
+    with prefix_errors(files.fit), show_progress_on_terminal("optimal designs"):
         designs = designs_of_fit(
             read_fit(files.fit),
             config,

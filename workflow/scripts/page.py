@@ -10,7 +10,6 @@ from squeezefilm_workflow.reporting.pages import render_template, write_page
 MODULE_OF_PAGE = {
     "check": "squeezefilm_workflow.reporting.check",
     "equations": "squeezefilm_workflow.paper.equations",
-    "models": "squeezefilm_workflow.reporting.models",
     "refine": "squeezefilm_workflow.reporting.models",
     "summary": "squeezefilm_workflow.reporting.summary",
     "uncertainty": "squeezefilm_workflow.paper.uncertainty",

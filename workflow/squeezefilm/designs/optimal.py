@@ -338,6 +338,7 @@ def _climb_to_maxima(height_at: Callable[[Array], Array], starts: Array, *, step
     """
     factors = starts.shape[1]
     directions = np.concatenate([np.eye(factors), -np.eye(factors)])
+    ends, rows = starts.copy(), np.arange(len(starts))  # rows that still climb
     at, height, steps = starts, height_at(starts), np.full(len(starts), step)
     last_move = np.zeros_like(at)
     for _ in range(MAX_CLIMB_STEPS):
@@ -352,9 +353,12 @@ def _climb_to_maxima(height_at: Callable[[Array], Array], starts: Array, *, step
         at = np.where(higher[:, None], moved, at)
         height = np.where(higher, heights.max(axis=1), height)
         steps = np.where(higher, steps, steps / 2)
-        if steps.max() < MIN_CLIMB_STEP:
+        ends[rows], climbing = at, steps >= MIN_CLIMB_STEP
+        if not climbing.any():
             break
-    return at
+        rows, at, height = rows[climbing], at[climbing], height[climbing]
+        steps, last_move = steps[climbing], last_move[climbing]
+    return ends
 
 
 def _merged_support_points(f: Array, unit: Array, weights: Array) -> Array:
@@ -419,7 +423,8 @@ def exact_design_by_exchange(
     def admissible_candidates(chosen: Indices) -> Indices:
         """The candidates that may join the points chosen."""
         far = np.all(cdist(positions, positions[chosen]) >= separation * (1 - 1e-9), axis=1)
-        return np.setdiff1d(np.flatnonzero(allowed & far), chosen)
+        far[chosen] = False
+        return np.flatnonzero(allowed & far)
 
     def add_best_points(chosen: Indices) -> Indices:
         """The points chosen and more that fit in, each time the one with the largest gain."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -24,10 +24,11 @@ from squeezefilm.designs.optimal import (
 from squeezefilm.designs.space import coordinate_function
 from squeezefilm.errors import InputError
 from squeezefilm.film.positions import CARTESIAN_COLUMNS
-from squeezefilm.models.data import RANGE_TOLERANCE, factors_of_table
+from squeezefilm.models.data import RANGE_TOLERANCE, Factors, factors_of_table
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.models.fitting import local_fit_theta, parameter_ranges
 from squeezefilm.models.force_model import check_columns_known
+from squeezefilm.parallel import track_progress
 from squeezefilm.studies.space import plan_table, points_of_table, space_of_study, table_of_points
 from squeezefilm.studies.tasks.physics_limits import with_limit_forces
 
@@ -68,10 +69,12 @@ class FittedSpace:
 
     def derivatives(self, points: np.ndarray, *, every: bool = False) -> np.ndarray:
         """dη/dθ at points for the fit, or for every parameter vector, shape (K, n, p)."""
-        names, position = list(self.space.names), self.space.position_columns
-        table = plan_table(pd.DataFrame(points, columns=names), position=position)
+        named = dict(zip(self.space.names, points.T, strict=True))
+        factors = Factors.of(**named)
+        if self.model.column_names:
+            table = plan_table(pd.DataFrame(named), position=self.space.position_columns)
+            factors = factors_of_table(with_limit_forces(self.model, table, self.config))
         thetas = self.thetas if every else self.thetas[:1]
-        factors = factors_of_table(with_limit_forces(self.model, table, self.config))
         return np.array([self.model.gradient(theta, factors) for theta in thetas])
 
     def outside_mask(self, points: np.ndarray) -> np.ndarray:
@@ -88,24 +91,18 @@ def designs_by_name(
     the first of the augmented design. An exact design with fewer points than the model has
     parameters determines none of them, and is not among the designs.
     """
-    maximin = maximin_design(fitted.derivatives(fitted.everywhere, every=True))
-    designs = {
-        "local": _optimal_design_in_space(fitted, fitted.derivatives),
-        "bayesian": _optimal_design_in_space(fitted, partial(fitted.derivatives, every=True)),
-        "maximin": maximin.on(fitted.everywhere),
-    }
     derivatives, parameters = fitted.derivatives(fitted.grid), fitted.thetas.shape[1]
     apart: dict[str, Any] = {
         "coordinates": fitted.coordinates(fitted.grid),
         "separation": settings.separation,
         "seed": settings.seed,
     }
-    for count in settings.points:
-        if count >= parameters:
-            chosen = exact_design_by_exchange(derivatives, count, **apart)
-            designs[f"exact-{count}"] = _equal_weight_design(fitted.grid[chosen])
-    designs = {name: _design_sorted_by_points(design) for name, design in designs.items()}
-    if existing is not None:
+
+    def exact_design(count: int) -> ContinuousDesign:
+        chosen = exact_design_by_exchange(derivatives, count, **apart)
+        return _design_sorted_by_points(_equal_weight_design(fitted.grid[chosen]))
+
+    def augmented_design(existing: pd.DataFrame) -> ContinuousDesign:
         there = points_of_table(existing, fitted.space)
         added = exact_design_by_exchange(
             derivatives,
@@ -114,7 +111,26 @@ def designs_by_name(
             existing_coordinates=fitted.coordinates(there),
             **apart,
         )
-        designs["augmented"] = _equal_weight_design(np.concatenate([there, fitted.grid[added]]))
+        return _equal_weight_design(np.concatenate([there, fitted.grid[added]]))
+
+    searches: dict[str, Callable[[], ContinuousDesign]] = {
+        "local": partial(_optimal_design_in_space, fitted, fitted.derivatives),
+        "bayesian": partial(
+            _optimal_design_in_space, fitted, partial(fitted.derivatives, every=True)
+        ),
+        "maximin": partial(_maximin_design, fitted),
+    }
+    for count in settings.points:
+        if count >= parameters:
+            searches[f"exact-{count}"] = partial(exact_design, count)
+    if existing is not None:
+        searches["augmented"] = partial(augmented_design, existing)
+    designs = {}
+    with track_progress(len(searches), unit="design", name=fitted.model.name) as bar:
+        for name, search in searches.items():
+            bar.current_step = name
+            designs[name] = search()
+            bar.update(1)
     return designs
 
 
@@ -123,8 +139,15 @@ def _optimal_design_in_space(fitted: FittedSpace, gradients: GradientFunction) -
     space can be simulated.
     """
     if not fitted.model.column_names and fitted.space.allowed_mask(fitted.space.levels(2)).all():
-        return optimal_design_in_space(gradients, fitted.space, fitted.everywhere, gap=1e-8)
-    return optimal_approximate_design(gradients(fitted.everywhere)).on(fitted.everywhere)
+        design = optimal_design_in_space(gradients, fitted.space, fitted.everywhere, gap=1e-8)
+    else:
+        design = optimal_approximate_design(gradients(fitted.everywhere)).on(fitted.everywhere)
+    return _design_sorted_by_points(design)
+
+
+def _maximin_design(fitted: FittedSpace) -> ContinuousDesign:
+    design = maximin_design(fitted.derivatives(fitted.everywhere, every=True))
+    return _design_sorted_by_points(design.on(fitted.everywhere))
 
 
 def _equal_weight_design(points: np.ndarray) -> ContinuousDesign:

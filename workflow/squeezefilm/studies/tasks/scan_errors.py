@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from squeezefilm.config.film import FilmSections
 from squeezefilm.config.study import Study
 from squeezefilm.errors import InputError, RunError, point_text
 from squeezefilm.film.measured.smooth import SmoothedScan
+from squeezefilm.film.profiles import ModeSum
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.surfaces import Disc
 from squeezefilm.film.symmetry import DirectionSector
@@ -30,6 +31,8 @@ from squeezefilm.units import round_up_error
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 SCAN_FORCE_TOLERANCE = 1e-3
 BOOTSTRAP_DRAWS, BOOTSTRAP_SEED = 50, 1
+# Part of the variance of noise under the pad in directions of which none is solved for.
+NEGLECTED_NOISE_FRACTION = 0.03
 # Half of the interval that holds 95 %, over the spread: Student's t at 97.5 % with BOOTSTRAP_DRAWS
 # − 1 degrees of freedom (scipy.special takes 0.2 s to import).
 COVERAGE_FACTOR = 2.0095752371292392
@@ -61,27 +64,31 @@ def scan_errors_table(
         RunError: naming a scene that has no force.
     """
     scenes = resolve_auto_terms(scenes, device=device)
-    profiles = [
-        smoothed.profile,
-        *smoothed.bootstrap_profiles(count=BOOTSTRAP_DRAWS, seed=BOOTSTRAP_SEED),
-    ]
-    profiles += smoothed.profiles_with_misfit
+    drawn = smoothed.bootstrap_profiles(count=BOOTSTRAP_DRAWS, seed=BOOTSTRAP_SEED)
+    noises = [_NoiseUnderPad.of(scene, smoothed.profile, drawn) for scene in scenes]
+    misfits = smoothed.profiles_with_misfit
     every = [
         replace(scene, actuator=replace(scene.actuator, profile=profile))
-        for profile in profiles
-        for scene in scenes
+        for scene, noise in zip(scenes, noises, strict=True)
+        for profile in (smoothed.profile, *misfits, *noise.profiles)
     ]
     solutions = solved(every, tolerance=SCAN_FORCE_TOLERANCE, device=device)
     for row in np.flatnonzero(solutions.status != "ok").tolist():
         raise RunError(f"{point_text(every[row].point_id)}: {solutions.status[row]}")
     values = solutions.to_frame().drop(columns=[*SOLUTION_COLUMNS[1:]])
-    count = len(scenes)
-    own, numbers = values.iloc[:count], values.select_dtypes("number")
-    noisy = numbers.iloc[count : (BOOTSTRAP_DRAWS + 1) * count]
-    misfitting = numbers.iloc[(BOOTSTRAP_DRAWS + 1) * count :]
-    spread = noisy.groupby(noisy.index % count).std()
-    off = (misfitting - own[numbers.columns].iloc[misfitting.index % count].to_numpy()).abs()
-    misfit = off.groupby(off.index % count).max().reindex(range(count), fill_value=0.0)
+    numbers = values.select_dtypes("number")
+    ends = np.cumsum([1 + len(misfits) + len(noise.profiles) for noise in noises])
+    rows = [numbers.iloc[slice(*ends_of)] for ends_of in zip([0, *ends], ends, strict=False)]
+    own = values.loc[[each.index[0] for each in rows]].reset_index(drop=True)
+    off = [(each.iloc[1 : 1 + len(misfits)] - each.iloc[0]).abs().max() for each in rows]
+    misfit = pd.DataFrame(off).fillna(0.0)
+    spread = pd.DataFrame(
+        [
+            noise.spread(each.iloc[0], each.iloc[1 + len(misfits) :])
+            for noise, each in zip(noises, rows, strict=True)
+        ],
+        columns=numbers.columns,
+    )
     # Small forces go as the square of the amplitude over its maximum, large ones faster.
     bias = 2 * smoothed.peak_bias_m / smoothed.peak_m / (1 - Scenes.of(scenes).epsilon)
     neglected = not smoothed.profile.is_complex
@@ -100,6 +107,54 @@ def scan_errors_table(
             of_scan = noise[quantity] + misfit[quantity]
             table[name.replace("_error", "_measurement_noise")] = of_scan
     return table.assign(scan_error_fraction=table["scan_error_n"] / size_n)
+
+
+@dataclass(frozen=True)
+class _NoiseUnderPad:
+    """Noise of a profile as a scene's force answers to it: in few directions, or draw by draw.
+
+    Attributes:
+        profiles: with as much noise as is usual in each direction, and with as much less; or as
+            drawn, where this is fewer.
+        factors: of each draw in each direction, (draws, directions); None for profiles as drawn.
+    """
+
+    profiles: Sequence[ModeSum]
+    factors: np.ndarray | None
+
+    @classmethod
+    def of(cls, scene: Scene, profile: ModeSum, drawn: Sequence[ModeSum]) -> _NoiseUnderPad:
+        """Principal components of draws under the pad: noise elsewhere moves no force."""
+        x_m, y_m = scene.inside()
+        amplitudes = [
+            replace(scene, actuator=replace(scene.actuator, profile=each)).amplitude(x_m, y_m)
+            for each in (profile, *drawn)
+        ]
+        own, *others = np.reshape(amplitudes, (len(amplitudes), -1))
+        changes = np.array(others) - own
+        left, sizes, _ = np.linalg.svd(np.hstack([changes.real, changes.imag]), full_matrices=False)
+        rest = np.cumsum(sizes[::-1] ** 2)[::-1]
+        count = np.count_nonzero(rest > NEGLECTED_NOISE_FRACTION * rest[0])
+        if 2 * count >= len(drawn):
+            return cls(drawn, None)
+        factors = np.sqrt(len(drawn)) * left[:, :count]
+        coefficients = np.array(profile.coefficients)
+        steps = factors.T @ ([each.coefficients for each in drawn] - coefficients) / len(drawn)
+        return cls(
+            [
+                replace(profile, coefficients=tuple(each.tolist()))
+                for each in (*(coefficients + steps), *(coefficients - steps))
+            ],
+            factors,
+        )
+
+    def spread(self, own: pd.Series, values: pd.DataFrame) -> pd.Series:
+        """Return standard deviations over the draws, by the values with this one's profiles."""
+        if self.factors is None:
+            return values.std()
+        more, less = np.split(values.to_numpy() - own.to_numpy(), 2)
+        changes = self.factors @ (more - less) / 2 + self.factors**2 @ (more + less) / 2
+        return pd.Series(changes.std(axis=0, ddof=1), index=values.columns)
 
 
 def quadrature_effect_fraction(scene: Scene, smoothed: SmoothedScan) -> float:
