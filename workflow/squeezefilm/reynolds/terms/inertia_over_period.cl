@@ -207,16 +207,18 @@ static void set_linear(const Grid *whole_grid, const Film *whole_film, int axis)
     matrix4 shares = (matrix4)state_field(g, film, axis, CARRIED_SHARES);
     vector by = linear_field(g, film, axis, 0);
     const int count4 = g->count4;
+    const double over_sigma = 1.0 / film->sigma;
     FOR_EACH_POINT(g, row, t, i)
     {
         EACH_OF(d)
         const double4 rise = density_slope(film, p[i]), flow = mobility(film, gap, density);
         const double4 lag = lag_of(film, gap, density), flux = film->sigma * gap;
         const double4 carried = 9.0 / 7.0 OVER_AREA(d, i) * lag;
-        const double4 jump = gap * slip_of(film) / (film->sigma * density * density);
+        const double4 over_density = 1.0 / density, filled = lag * over_density * u[i] / 7.0;
+        const double4 jump = gap * slip_of(film) * over_density * over_density * over_sigma;
         store4(jump * rise * slope[i], DRIVE_BY_RISE * count4 + i, by);
         store4(-flow, DRIVE_BY_SLOPE * count4 + i, by);
-        store4(rise / density, FILLING_BY_RISE * count4 + i, by);
+        store4(gap * rise, FILLING_BY_RISE * count4 + i, by);
         store4(lag * filling[i] / 7.0 - carried * (along_rate[i] TURNED(d, i, 2.0 * u[i])),
                FORCE_BY_VELOCITY * count4 + i, by);
         store4(-carried * u[i], FORCE_BY_ALONG_RATE * count4 + i, by);
@@ -226,9 +228,10 @@ static void set_linear(const Grid *whole_grid, const Film *whole_film, int axis)
                FORCE_BY_CROSSING * count4 + i, by);
         store4(-carried * across[i], FORCE_BY_ACROSS_RATE * count4 + i, by);
 #endif
-        store4(lag * u[i] / 7.0, FORCE_BY_FILLING * count4 + i, by);
+        store4(filled / gap, FORCE_BY_FILLING * count4 + i, by);
         store4(-lag, FORCE_BY_RATE * count4 + i, by);
-        store4(-lag_slope(film, gap) * rise * forces[i], FORCE_BY_RISE * count4 + i, by);
+        store4(-rise * (lag_slope(film, gap) * forces[i] + filled * filling[i]),
+               FORCE_BY_RISE * count4 + i, by);
         store4(flux * density, FLUX_BY_DEFICIT * count4 + i, by);
         store4(flux * rise * b[i], FLUX_BY_RISE * count4 + i, by);
     }
@@ -254,14 +257,14 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         field u = state_field(g, film, axis, ALONG);
         field4 filling = (field4)state_field(g, film, axis, FILLING);
         set_velocity(g, film, axis);
-        FOR_EACH(i, g->count4) ((field4)spare)[i] = log(1.0 + density_rise(film, p[i]));
-        SYNC;
-        along_t(g, g->time_derivative, spare, (field)filling, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
-            EACH_OF(d)
-            filling[i] += rate_by(g, film, d.amplitude, row, t) / gap;
+            const double4 beyond = beyond_even(g, film, d.amplitude, row, t);
+            ((field4)spare)[i] = beyond + (1.0 + beyond) * density_rise(film, p[i]);
         }
+        SYNC;
+        along_t(g, g->time_derivative, spare, (field)filling, 0);
+        FOR_EACH(i, g->count4) filling[i] /= 1.0 + ((matrix4)spare)[i];
         SYNC;
         along_axis(g, axis, d.along, NODES_TO_SLOPES,
                    u, state_field(g, film, axis, ALONG_RATE), 0);
