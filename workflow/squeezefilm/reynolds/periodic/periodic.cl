@@ -238,7 +238,7 @@ periodic_state(const int scenes, const int most_newton, __global const int *begi
             film.work_c = space + 2 * g.count;
             space += 3 * g.count;
             film.own_work = space;
-            space += OWN_FIELDS * g.count;
+            space += OWN_FIELDS * g.spacing;
             for (int term = 0; term < FLOW_TERMS; term++) {
                 film.gap_power[term] = (field4)space;
                 film.potential[term] = (field4)(space + g.count);

@@ -101,16 +101,16 @@ static void set_velocities(const Grid *g, const Film *film, field work)
 /* σ times what warm gas lacks for each mass. */
 static vector lacking_by_mass(const Grid *g, const Film *film)
 {
-    return (vector)(film->own_work + (OWN_FIELDS - 1) * g->count);
+    return (vector)(film->own_work + (OWN_FIELDS - 1) * g->spacing);
 }
 
 static void residual_thermal(const Grid *g, const Film *film, field mass, field work, field out)
 {
     if (!film->row->has_thermal)
         return;
-    field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->count;
-    field nodal = warmth + g->count, first = nodal + 2 * g->count, second = first + g->count;
-    field third = second + g->count, fourth = third + g->count;
+    field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->spacing;
+    field nodal = warmth + g->spacing, first = nodal + 2 * g->spacing, second = first + g->spacing;
+    field third = second + g->spacing, fourth = third + g->spacing;
     vector by_mass = lacking_by_mass(g, film);
     const double sigma = film->sigma, kappa = film->row->viscosity_exponent;
     /* τ_b over the square of the speed. */
@@ -119,8 +119,8 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     set_velocities(g, film, work);
     for (int axis = 0; axis < AXES; axis++)
         along_axis(g, axis, ON_AXIS(axis, flux_nodes), NODES_TO_NODES,
-                   state_field(g, film, axis, ALONG), nodal + axis * g->count, 0);
-    matrix4 nodal_x = (matrix4)nodal, nodal_y = nodal_x + g->count4;
+                   state_field(g, film, axis, ALONG), nodal + axis * g->spacing, 0);
+    matrix4 nodal_x = (matrix4)nodal, nodal_y = nodal_x + g->spacing / 4;
     FOR_EACH_POINT(g, row, t, i)
     {
         const double4 square = nodal_x[i] * nodal_x[i] PLUS_ACROSS(nodal_y[i] * nodal_y[i]);
