@@ -138,11 +138,11 @@ class PeriodicStates:
 def _max_krylov_iterations(grid: Grid, terms: Terms) -> int:
     """Krylov iterations that a Newton step may take: as many as there is room for.
 
-    Where their vectors will stand, perhaps of single precision, there is room for four matrices in
-    time (thermal_over_period.cl).
+    Where their vectors will stand, perhaps of single precision, there is room for eight matrices
+    in time (thermal_over_period.cl).
     """
     room = MAX_WORKSPACE_BYTES // (8 * grid.unknown_count * unknown_field_count(terms)) - 8
-    least = max(MIN_KRYLOV_ITERATIONS, -(-8 * (grid.nt + 1) // (grid.nx * grid.ny)))
+    least = max(MIN_KRYLOV_ITERATIONS, -(-16 * (grid.nt + 1) // (grid.nx * grid.ny)))
     return max(min(room, MAX_KRYLOV_ITERATIONS), least)
 
 

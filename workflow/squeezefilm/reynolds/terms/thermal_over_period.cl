@@ -21,20 +21,23 @@
 #define PLUS_ACROSS(square)
 #endif
 
-/* Solve matrix · values = values in place for four systems at once, by elimination; the matrices (n, n)
+/* Values of as many rows of the grid as a register holds. */
+typedef __global JOIN(double, DOUBLE_LANES) *rows_together;
+
+/* Solve matrix · values = values in place for so many systems, by elimination; the matrices (n, n)
  * are overwritten. No pivot is searched for: but for a factor of each row and column a matrix is 1 and a
  * skew part. */
-static void eliminate(field4 matrix_rows, field4 values, int n)
+static void eliminate(rows_together matrix_rows, rows_together values, int n)
 {
     for (int k = 0; k < n; k++) {
-        field4 pivot_row = matrix_rows + k * n;
-        const double4 over_pivot = 1.0 / pivot_row[k];
+        rows_together pivot_row = matrix_rows + k * n;
+        const JOIN(double, DOUBLE_LANES) over_pivot = 1.0 / pivot_row[k];
         values[k] *= over_pivot;
         for (int j = k + 1; j < n; j++)
             pivot_row[j] *= over_pivot;
         for (int i = k + 1; i < n; i++) {
-            field4 row = matrix_rows + i * n;
-            const double4 factor = row[k];
+            rows_together row = matrix_rows + i * n;
+            const JOIN(double, DOUBLE_LANES) factor = row[k];
             for (int j = k + 1; j < n; j++)
                 row[j] -= factor * pivot_row[j];
             values[i] -= factor * values[k];
@@ -46,8 +49,8 @@ static void eliminate(field4 matrix_rows, field4 values, int n)
 }
 
 /* The rise by compression, (1 + c d/dT) warmth = (heating H²/12) dp/dT with c = thermal_lag P H², and
- * what a jump of temperature at the walls makes of both; `lags` is room for c. Four rows at a time, by
- * as many items as there is room for matrices where Krylov's vectors will stand (launch.py). */
+ * what a jump of temperature at the walls makes of both; `lags` is room for c. By as many items as there
+ * is room for matrices where Krylov's vectors will stand (launch.py). */
 static void warm(const Grid *g, const Film *film, field warmth, field lags)
 {
     along_t(g, g->time_derivative, (field)film->p, warmth, 0);
@@ -60,27 +63,29 @@ static void warm(const Grid *g, const Film *film, field warmth, field lags)
             film->row->heating / 12.0 * gap * (gap + film->row->jump_warms / density);
     }
     SYNC;
-    const int n = g->nt, size = 4 * n * (n + 1);
+    const int n = g->nt, size = DOUBLE_LANES * n * (n + 1);
     const long room = film->row->most_krylov * g->length * sizeof(real) / sizeof(double);
     const int item = get_local_id(0), items = min((long)WORK_ITEMS, room / size);
-    field4 values = (field4)(film->basis + g->length) + item * size / 4, matrix_rows = values + n;
-    for (int row = item < items ? 4 * item : g->rows; row < g->rows; row += 4 * items) {
-        const int last = (g->rows - 1) * n, a = row * n, b = min(a + n, last);
-        const int c = min(b + n, last), d = min(c + n, last);
+    field values = (field)(film->basis + g->length) + item * size;
+    rows_together systems = (rows_together)values, matrix_rows = systems + n;
+    const int first = item < items ? DOUBLE_LANES * item : g->rows;
+    for (int row = first; row < g->rows; row += DOUBLE_LANES * items) {
+        const int together = min(DOUBLE_LANES, g->rows - row);
         for (int i = 0; i < n; i++) {
-            const double4 lag = (double4)(lags[a + i], lags[b + i], lags[c + i], lags[d + i]);
-            values[i] = (double4)(warmth[a + i], warmth[b + i], warmth[c + i], warmth[d + i]);
+            for (int k = 0; k < DOUBLE_LANES; k++) {
+                const int at = (row + min(k, together - 1)) * n + i;
+                values[i * DOUBLE_LANES + k] = warmth[at];
+                ((field)(matrix_rows + i * n))[k] = lags[at];
+            }
+            const JOIN(double, DOUBLE_LANES) lag = matrix_rows[i * n];
             /* d/dT is skew. */
             for (int j = 0; j < n; j++)
                 matrix_rows[i * n + j] = (i == j) - g->time_derivative[i * n + j] * lag;
         }
-        eliminate(matrix_rows, values, n);
-        for (int i = 0; i < n; i++) {
-            warmth[a + i] = values[i].x;
-            warmth[b + i] = values[i].y;
-            warmth[c + i] = values[i].z;
-            warmth[d + i] = values[i].w;
-        }
+        eliminate(matrix_rows, systems, n);
+        for (int k = 0; k < together; k++)
+            for (int i = 0; i < n; i++)
+                warmth[(row + k) * n + i] = values[i * DOUBLE_LANES + k];
     }
     SYNC;
 }
