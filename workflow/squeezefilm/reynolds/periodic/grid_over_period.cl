@@ -29,6 +29,7 @@ typedef struct {
 /* Sizes and matrices. */
 typedef struct {
     int nx, ny, nt, rows, count, nt4, count4, length, length4;
+    int spacing; /* from one of the terms' fields to the next */
     /* Axes that stand for all of the pad, and so have their mirror image in them. */
     int whole_x, whole_y, whole_modes_x;
     int around; /* along y are the modes of each of those along x; else the other way round */
@@ -108,7 +109,7 @@ static Grid make_grid(__global const Row *row, matrix values, vector *room)
     g.nx = row->nx; g.ny = row->ny; g.nt = row->nt;
     g.rows = g.nx * g.ny; g.count = g.rows * g.nt;
     g.length = row->unknown_fields * g.count; g.length4 = g.length / 4;
-    g.nt4 = g.nt / 4; g.count4 = g.count / 4;
+    g.nt4 = g.nt / 4; g.count4 = g.count / 4; g.spacing = g.count + FIELD_PADDING;
     g.whole_x = row->whole_x; g.whole_y = row->whole_y; g.whole_modes_x = row->whole_modes_x;
     g.laplace_x = values + row->laplace_x;
     g.laplace_y = values + row->laplace_y;

@@ -63,6 +63,9 @@ from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 MAX_NEWTON_STEPS = 40
 MIN_KRYLOV_ITERATIONS, MAX_KRYLOV_ITERATIONS = 20, 80
 MAX_WORKSPACE_BYTES = 256 * 2**20
+# Numbers between the terms' fields, of which a loop takes twenty: where they are a multiple of 4 KiB
+# apart, as of 16 × 16 × 12 unknowns, few of them have room in the first cache together.
+FIELD_PADDING = 16
 # Operations that a scene may take; half of them on one grid. One core does 4e9 to 2e10 a second. Of
 # the films of verification/films.py, those that are solved take up to 2e11 (Re 5, σ 1, at 1e-5).
 MAX_OPERATIONS = 5e11
@@ -135,11 +138,11 @@ class PeriodicStates:
 def _max_krylov_iterations(grid: Grid, terms: Terms) -> int:
     """Krylov iterations that a Newton step may take: as many as there is room for.
 
-    Where their vectors will stand, perhaps of single precision, there is room for four matrices in
-    time (thermal_over_period.cl).
+    Where their vectors will stand, perhaps of single precision, there is room for eight matrices
+    in time (thermal_over_period.cl).
     """
     room = MAX_WORKSPACE_BYTES // (8 * grid.unknown_count * unknown_field_count(terms)) - 8
-    least = max(MIN_KRYLOV_ITERATIONS, -(-8 * (grid.nt + 1) // (grid.nx * grid.ny)))
+    least = max(MIN_KRYLOV_ITERATIONS, -(-16 * (grid.nt + 1) // (grid.nx * grid.ny)))
     return max(min(room, MAX_KRYLOV_ITERATIONS), least)
 
 
@@ -255,13 +258,14 @@ def _workspace_doubles(
 ) -> int:
     """Fields, Krylov basis, Hessenberg matrix of a grid, and its state twice."""
     most, fields = _max_krylov_iterations(grid, terms), unknown_field_count(terms)
-    own = 2 * flow_terms + 3 + work_field_count(compiled, single=single)
+    own = 2 * flow_terms + 3
+    of_terms = work_field_count(compiled, single=single) * (grid.unknown_count + FIELD_PADDING)
     linear = 3 * flow_terms + 10 + (most + 1) * fields
     matrices = (3 + 6 * have_velocity_terms(terms)) * (grid.nx**2 + grid.ny**2 + grid.nt**2)
     if grid.outline:
         matrices += 2 * grid.nx * grid.ny * max(grid.nx, grid.ny) + 32
     small = (most + 4) * (most + 1) + grid.nx * grid.ny
-    return grid.unknown_count * (own + linear + 2 * fields) + matrices + small
+    return grid.unknown_count * (own + linear + 2 * fields) + of_terms + matrices + small
 
 
 def solve_batch(
@@ -550,6 +554,7 @@ def _program_header(terms: Terms, row: np.dtype[Any], *, single: bool) -> str:
             f"#define AXES {flow_axis_count(terms)}",
             f"#define ROW_PARTS {preconditioner_count(terms)}",
             f"#define OWN_FIELDS {work_field_count(terms, single=single)}",
+            f"#define FIELD_PADDING {FIELD_PADDING}",
             "#define SINGLE" if single else "",
             *(f"#define HAS_{term.NAME}" for term in terms),
             c_struct("Row", row),

@@ -147,7 +147,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
         const double bend = s.residual * s.residual;
         const double last = bend < 0.1 * goal ? 0.7 : 0.3;
-        const double floor = fmax(LINEAR_ROUNDING / 10, 0.3 * *lack);
+        const double floor = fmax(LINEAR_ROUNDING / 10, 0.1 * *lack);
         const double target = fmax(fmax(last * goal, floor * s.residual),
                                    fmin(0.1 * s.residual, 3.0 * bend));
         double left;
@@ -238,7 +238,7 @@ periodic_state(const int scenes, const int most_newton, __global const int *begi
             film.work_c = space + 2 * g.count;
             space += 3 * g.count;
             film.own_work = space;
-            space += OWN_FIELDS * g.count;
+            space += OWN_FIELDS * g.spacing;
             for (int term = 0; term < FLOW_TERMS; term++) {
                 film.gap_power[term] = (field4)space;
                 film.potential[term] = (field4)(space + g.count);

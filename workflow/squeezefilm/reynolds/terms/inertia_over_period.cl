@@ -57,17 +57,17 @@ static Direction direction_of(const Film *film, int axis)
 
 static field state_field(const Grid *g, const Film *film, int axis, int which)
 {
-    return film->own_work + (axis * STATE_FIELDS + which) * g->count;
+    return film->own_work + (axis * STATE_FIELDS + which) * g->spacing;
 }
 
 static field spare_field(const Grid *g, const Film *film, int which)
 {
-    return film->own_work + (2 * STATE_FIELDS + which) * g->count;
+    return film->own_work + (2 * STATE_FIELDS + which) * g->spacing;
 }
 
 static vector common_field(const Grid *g, const Film *film, int which)
 {
-    return (vector)spare_field(g, film, SPARE_FIELDS) + which * g->count;
+    return (vector)spare_field(g, film, SPARE_FIELDS) + which * g->spacing;
 }
 
 static vector linear_field(const Grid *g, const Film *film, int axis, int which)
@@ -206,35 +206,38 @@ static void set_linear(const Grid *whole_grid, const Film *whole_film, int axis)
     matrix4 b = (matrix4)(film->own + axis * g->count);
     matrix4 shares = (matrix4)state_field(g, film, axis, CARRIED_SHARES);
     vector by = linear_field(g, film, axis, 0);
-    const int count4 = g->count4;
+    const int spacing4 = g->spacing / 4;
+    const double over_sigma = 1.0 / film->sigma;
     FOR_EACH_POINT(g, row, t, i)
     {
         EACH_OF(d)
         const double4 rise = density_slope(film, p[i]), flow = mobility(film, gap, density);
         const double4 lag = lag_of(film, gap, density), flux = film->sigma * gap;
         const double4 carried = 9.0 / 7.0 OVER_AREA(d, i) * lag;
-        const double4 jump = gap * slip_of(film) / (film->sigma * density * density);
-        store4(jump * rise * slope[i], DRIVE_BY_RISE * count4 + i, by);
-        store4(-flow, DRIVE_BY_SLOPE * count4 + i, by);
-        store4(rise / density, FILLING_BY_RISE * count4 + i, by);
+        const double4 over_density = 1.0 / density, filled = lag * over_density * u[i] / 7.0;
+        const double4 jump = gap * slip_of(film) * over_density * over_density * over_sigma;
+        store4(jump * rise * slope[i], DRIVE_BY_RISE * spacing4 + i, by);
+        store4(-flow, DRIVE_BY_SLOPE * spacing4 + i, by);
+        store4(gap * rise, FILLING_BY_RISE * spacing4 + i, by);
         store4(lag * filling[i] / 7.0 - carried * (along_rate[i] TURNED(d, i, 2.0 * u[i])),
-               FORCE_BY_VELOCITY * count4 + i, by);
-        store4(-carried * u[i], FORCE_BY_ALONG_RATE * count4 + i, by);
+               FORCE_BY_VELOCITY * spacing4 + i, by);
+        store4(-carried * u[i], FORCE_BY_ALONG_RATE * spacing4 + i, by);
 #if AXES > 1
         /* δ(u across) times u's derivative there, and u across times that of δu. */
         store4(-carried * (across_rate[i] TURNED(d, i, 2.0 * across[i])),
-               FORCE_BY_CROSSING * count4 + i, by);
-        store4(-carried * across[i], FORCE_BY_ACROSS_RATE * count4 + i, by);
+               FORCE_BY_CROSSING * spacing4 + i, by);
+        store4(-carried * across[i], FORCE_BY_ACROSS_RATE * spacing4 + i, by);
 #endif
-        store4(lag * u[i] / 7.0, FORCE_BY_FILLING * count4 + i, by);
-        store4(-lag, FORCE_BY_RATE * count4 + i, by);
-        store4(-lag_slope(film, gap) * rise * forces[i], FORCE_BY_RISE * count4 + i, by);
-        store4(flux * density, FLUX_BY_DEFICIT * count4 + i, by);
-        store4(flux * rise * b[i], FLUX_BY_RISE * count4 + i, by);
+        store4(filled / gap, FORCE_BY_FILLING * spacing4 + i, by);
+        store4(-lag, FORCE_BY_RATE * spacing4 + i, by);
+        store4(-rise * (lag_slope(film, gap) * forces[i] + filled * filling[i]),
+               FORCE_BY_RISE * spacing4 + i, by);
+        store4(flux * density, FLUX_BY_DEFICIT * spacing4 + i, by);
+        store4(flux * rise * b[i], FLUX_BY_RISE * spacing4 + i, by);
     }
 #if AXES > 1
     FOR_EACH(i, 2 * g->count4 / (axis == 0 ? g->ny : g->nx))
-        store4(shares[i], CARRIED_OUT * count4 + i, by);
+        store4(shares[i], CARRIED_OUT * spacing4 + i, by);
 #endif
     SYNC;
 }
@@ -254,14 +257,14 @@ static void residual_inertia(const Grid *whole_grid, const Film *whole_film, fie
         field u = state_field(g, film, axis, ALONG);
         field4 filling = (field4)state_field(g, film, axis, FILLING);
         set_velocity(g, film, axis);
-        FOR_EACH(i, g->count4) ((field4)spare)[i] = log(1.0 + density_rise(film, p[i]));
-        SYNC;
-        along_t(g, g->time_derivative, spare, (field)filling, 0);
         FOR_EACH_POINT(g, row, t, i)
         {
-            EACH_OF(d)
-            filling[i] += rate_by(g, film, d.amplitude, row, t) / gap;
+            const double4 beyond = beyond_even(g, film, d.amplitude, row, t);
+            ((field4)spare)[i] = beyond + (1.0 + beyond) * density_rise(film, p[i]);
         }
+        SYNC;
+        along_t(g, g->time_derivative, spare, (field)filling, 0);
+        FOR_EACH(i, g->count4) filling[i] /= 1.0 + ((matrix4)spare)[i];
         SYNC;
         along_axis(g, axis, d.along, NODES_TO_SLOPES,
                    u, state_field(g, film, axis, ALONG_RATE), 0);
@@ -345,21 +348,21 @@ static void driven(const Grid *g, const Film *film, int axis, constant_vector ri
 static void set_lagging(const Grid *whole_grid, const Film *whole_film, int axis)
 {
     AS_COPIES(whole_grid, whole_film)
-    const int count = g->count / LANES;
+    const int spacing = g->spacing / LANES;
     __global const lanes *by = (__global const lanes *)linear_field(g, film, axis, 0);
-    __global const lanes *rise = by + RISE * count, *velocity = by + VELOCITY * count;
+    __global const lanes *rise = by + RISE * spacing, *velocity = by + VELOCITY * spacing;
     __global lanes *common = (__global lanes *)common_field(g, film, 0);
-    FOR_EACH(i, count)
+    FOR_EACH(i, g->count / LANES)
     {
-        lanes lagging = by[FORCE_BY_VELOCITY * count + i] * velocity[i] +
-                        by[FORCE_BY_ALONG_RATE * count + i] * common[ALONG_CHANGE * count + i];
+        lanes lagging = by[FORCE_BY_VELOCITY * spacing + i] * velocity[i] +
+                        by[FORCE_BY_ALONG_RATE * spacing + i] * common[ALONG_CHANGE * spacing + i];
 #if AXES > 1
-        lagging += by[FORCE_BY_CROSSING * count + i] * common[CROSSING * count + i] +
-                   by[FORCE_BY_ACROSS_RATE * count + i] * common[ACROSS_CHANGE * count + i];
+        lagging += by[FORCE_BY_CROSSING * spacing + i] * common[CROSSING * spacing + i] +
+                   by[FORCE_BY_ACROSS_RATE * spacing + i] * common[ACROSS_CHANGE * spacing + i];
 #endif
-        lagging += by[FORCE_BY_FILLING * count + i] * common[FILLING_CHANGE * count + i] +
-                   by[FORCE_BY_RATE * count + i] * common[VELOCITY_CHANGE * count + i];
-        common[LAGGING * count + i] = lagging + by[FORCE_BY_RISE * count + i] * rise[i];
+        lagging += by[FORCE_BY_FILLING * spacing + i] * common[FILLING_CHANGE * spacing + i] +
+                   by[FORCE_BY_RATE * spacing + i] * common[VELOCITY_CHANGE * spacing + i];
+        common[LAGGING * spacing + i] = lagging + by[FORCE_BY_RISE * spacing + i] * rise[i];
     }
     SYNC;
 }
@@ -368,19 +371,19 @@ static void set_lagging(const Grid *whole_grid, const Film *whole_film, int axis
 static void set_flux(const Grid *whole_grid, const Film *whole_film, int axis, constant_vector settled)
 {
     AS_COPIES(whole_grid, whole_film)
-    const int count = g->count / LANES;
+    const int spacing = g->spacing / LANES;
     __global const lanes *by = (__global const lanes *)linear_field(g, film, axis, 0);
-    __global const lanes *rise = by + RISE * count, *deficit = by + DEFICIT * count;
-    __global const lanes *velocity = by + VELOCITY * count, *left = (__global const lanes *)settled;
+    __global const lanes *rise = by + RISE * spacing, *deficit = by + DEFICIT * spacing;
+    __global const lanes *velocity = by + VELOCITY * spacing, *left = (__global const lanes *)settled;
     __global lanes *flux = (__global lanes *)common_field(g, film, LAGGING);
     __global const lanes *rate = (__global const lanes *)common_field(g, film, VELOCITY_CHANGE);
-    FOR_EACH(i, count)
-        flux[i] = by[FLUX_BY_DEFICIT * count + i] * (deficit[i] - left[i]) +
-                  by[FLUX_BY_RISE * count + i] * rise[i];
+    FOR_EACH(i, g->count / LANES)
+        flux[i] = by[FLUX_BY_DEFICIT * spacing + i] * (deficit[i] - left[i]) +
+                  by[FLUX_BY_RISE * spacing + i] * rise[i];
     if (film->row->has_thermal)
-        FOR_EACH(i, count)
-            flux[i] += by[FLUX_BY_VELOCITY * count + i] * velocity[i] +
-                       by[FLUX_BY_RATE * count + i] * rate[i];
+        FOR_EACH(i, g->count / LANES)
+            flux[i] += by[FLUX_BY_VELOCITY * spacing + i] * velocity[i] +
+                       by[FLUX_BY_RATE * spacing + i] * rate[i];
     SYNC;
 }
 

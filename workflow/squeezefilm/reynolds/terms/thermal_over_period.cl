@@ -21,20 +21,23 @@
 #define PLUS_ACROSS(square)
 #endif
 
-/* Solve matrix · values = values in place for four systems at once, by elimination; the matrices (n, n)
+/* Values of as many rows of the grid as a register holds. */
+typedef __global JOIN(double, DOUBLE_LANES) *rows_together;
+
+/* Solve matrix · values = values in place for so many systems, by elimination; the matrices (n, n)
  * are overwritten. No pivot is searched for: but for a factor of each row and column a matrix is 1 and a
  * skew part. */
-static void eliminate(field4 matrix_rows, field4 values, int n)
+static void eliminate(rows_together matrix_rows, rows_together values, int n)
 {
     for (int k = 0; k < n; k++) {
-        field4 pivot_row = matrix_rows + k * n;
-        const double4 over_pivot = 1.0 / pivot_row[k];
+        rows_together pivot_row = matrix_rows + k * n;
+        const JOIN(double, DOUBLE_LANES) over_pivot = 1.0 / pivot_row[k];
         values[k] *= over_pivot;
         for (int j = k + 1; j < n; j++)
             pivot_row[j] *= over_pivot;
         for (int i = k + 1; i < n; i++) {
-            field4 row = matrix_rows + i * n;
-            const double4 factor = row[k];
+            rows_together row = matrix_rows + i * n;
+            const JOIN(double, DOUBLE_LANES) factor = row[k];
             for (int j = k + 1; j < n; j++)
                 row[j] -= factor * pivot_row[j];
             values[i] -= factor * values[k];
@@ -46,8 +49,8 @@ static void eliminate(field4 matrix_rows, field4 values, int n)
 }
 
 /* The rise by compression, (1 + c d/dT) warmth = (heating H²/12) dp/dT with c = thermal_lag P H², and
- * what a jump of temperature at the walls makes of both; `lags` is room for c. Four rows at a time, by
- * as many items as there is room for matrices where Krylov's vectors will stand (launch.py). */
+ * what a jump of temperature at the walls makes of both; `lags` is room for c. By as many items as there
+ * is room for matrices where Krylov's vectors will stand (launch.py). */
 static void warm(const Grid *g, const Film *film, field warmth, field lags)
 {
     along_t(g, g->time_derivative, (field)film->p, warmth, 0);
@@ -60,27 +63,29 @@ static void warm(const Grid *g, const Film *film, field warmth, field lags)
             film->row->heating / 12.0 * gap * (gap + film->row->jump_warms / density);
     }
     SYNC;
-    const int n = g->nt, size = 4 * n * (n + 1);
+    const int n = g->nt, size = DOUBLE_LANES * n * (n + 1);
     const long room = film->row->most_krylov * g->length * sizeof(real) / sizeof(double);
     const int item = get_local_id(0), items = min((long)WORK_ITEMS, room / size);
-    field4 values = (field4)(film->basis + g->length) + item * size / 4, matrix_rows = values + n;
-    for (int row = item < items ? 4 * item : g->rows; row < g->rows; row += 4 * items) {
-        const int last = (g->rows - 1) * n, a = row * n, b = min(a + n, last);
-        const int c = min(b + n, last), d = min(c + n, last);
+    field values = (field)(film->basis + g->length) + item * size;
+    rows_together systems = (rows_together)values, matrix_rows = systems + n;
+    const int first = item < items ? DOUBLE_LANES * item : g->rows;
+    for (int row = first; row < g->rows; row += DOUBLE_LANES * items) {
+        const int together = min(DOUBLE_LANES, g->rows - row);
         for (int i = 0; i < n; i++) {
-            const double4 lag = (double4)(lags[a + i], lags[b + i], lags[c + i], lags[d + i]);
-            values[i] = (double4)(warmth[a + i], warmth[b + i], warmth[c + i], warmth[d + i]);
+            for (int k = 0; k < DOUBLE_LANES; k++) {
+                const int at = (row + min(k, together - 1)) * n + i;
+                values[i * DOUBLE_LANES + k] = warmth[at];
+                ((field)(matrix_rows + i * n))[k] = lags[at];
+            }
+            const JOIN(double, DOUBLE_LANES) lag = matrix_rows[i * n];
             /* d/dT is skew. */
             for (int j = 0; j < n; j++)
                 matrix_rows[i * n + j] = (i == j) - g->time_derivative[i * n + j] * lag;
         }
-        eliminate(matrix_rows, values, n);
-        for (int i = 0; i < n; i++) {
-            warmth[a + i] = values[i].x;
-            warmth[b + i] = values[i].y;
-            warmth[c + i] = values[i].z;
-            warmth[d + i] = values[i].w;
-        }
+        eliminate(matrix_rows, systems, n);
+        for (int k = 0; k < together; k++)
+            for (int i = 0; i < n; i++)
+                warmth[(row + k) * n + i] = values[i * DOUBLE_LANES + k];
     }
     SYNC;
 }
@@ -101,16 +106,16 @@ static void set_velocities(const Grid *g, const Film *film, field work)
 /* σ times what warm gas lacks for each mass. */
 static vector lacking_by_mass(const Grid *g, const Film *film)
 {
-    return (vector)(film->own_work + (OWN_FIELDS - 1) * g->count);
+    return (vector)(film->own_work + (OWN_FIELDS - 1) * g->spacing);
 }
 
 static void residual_thermal(const Grid *g, const Film *film, field mass, field work, field out)
 {
     if (!film->row->has_thermal)
         return;
-    field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->count;
-    field nodal = warmth + g->count, first = nodal + 2 * g->count, second = first + g->count;
-    field third = second + g->count, fourth = third + g->count;
+    field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->spacing;
+    field nodal = warmth + g->spacing, first = nodal + 2 * g->spacing, second = first + g->spacing;
+    field third = second + g->spacing, fourth = third + g->spacing;
     vector by_mass = lacking_by_mass(g, film);
     const double sigma = film->sigma, kappa = film->row->viscosity_exponent;
     /* τ_b over the square of the speed. */
@@ -119,8 +124,8 @@ static void residual_thermal(const Grid *g, const Film *film, field mass, field 
     set_velocities(g, film, work);
     for (int axis = 0; axis < AXES; axis++)
         along_axis(g, axis, ON_AXIS(axis, flux_nodes), NODES_TO_NODES,
-                   state_field(g, film, axis, ALONG), nodal + axis * g->count, 0);
-    matrix4 nodal_x = (matrix4)nodal, nodal_y = nodal_x + g->count4;
+                   state_field(g, film, axis, ALONG), nodal + axis * g->spacing, 0);
+    matrix4 nodal_x = (matrix4)nodal, nodal_y = nodal_x + g->spacing / 4;
     FOR_EACH_POINT(g, row, t, i)
     {
         const double4 square = nodal_x[i] * nodal_x[i] PLUS_ACROSS(nodal_y[i] * nodal_y[i]);
