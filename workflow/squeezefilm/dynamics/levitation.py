@@ -41,8 +41,9 @@ ROUGH_FORCE_TOLERANCE = 1e-3
 MAX_ROOT_STEPS = 40
 # Rounds of a gap found and its terms decided there, until both agree.
 MAX_TERM_ROUNDS = 4
-# Gaps of the range of validity that a message names: 2 % apart or less.
-RANGE_GAP_COUNT = 377
+# Gaps of the range of validity that a message names, 2 % apart or less, and of how many one is solved
+# for: between these, forces go nearly as powers of the gap.
+RANGE_GAP_COUNT, RANGE_GAPS_PER_FORCE = 377, 8
 # Change of ln h0 in a step, and the force over the load that stands for smaller ones.
 MAX_LOG_GAP_STEP, MIN_FORCE_OVER_LOAD = 0.2, 1e-6
 # A gap is not given where its modelling error is more than this fraction of it.
@@ -212,17 +213,22 @@ def valid_range_text(
         replace(decided[int(k)], h0_m=float(gap_m))
         for k, gap_m in zip(nearest, gaps_m, strict=True)
     ]
+    within = validity_texts(Scenes.of(at_gaps)) == OK
+    last, changes = len(gaps_m) - 1, np.flatnonzero(np.diff(within))
+    known = np.unique([*range(0, last, RANGE_GAPS_PER_FORCE), last, *changes, *changes + 1])
     rough = max(tolerance, TRIAL_FORCE_TOLERANCE)
-    forces_n = solve(at_gaps, tolerance=rough, method=method, device=device).force_n
-    with np.errstate(invalid="ignore"):
-        valid = (np.gradient(forces_n, gaps_m) < 0) & (forces_n > 0)
-    valid &= validity_texts(Scenes.of(at_gaps)) == OK
+    how: dict[str, Any] = {"tolerance": rough, "method": method, "device": device}
+    known_forces_n = solve([at_gaps[k] for k in known], **how).force_n
+    log_gaps = np.log(gaps_m)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        log_forces = np.interp(log_gaps, log_gaps[known], np.log(known_forces_n))
+        valid = within & np.isfinite(log_forces) & (np.gradient(log_forces, log_gaps) < 0)
     ends = np.flatnonzero(np.diff(valid, prepend=False, append=False)).reshape(-1, 2)
     if not ends.size:
         return NO_VALID_GAP_TEXT
     gaps, loads = (
         [_inward_rounded_range_text(values[slice(*run)]) for run in ends]
-        for values in (1e6 * gaps_m, forces_n)
+        for values in (1e6 * gaps_m, np.exp(log_forces))
     )
     ranges = ", ".join(
         f"gaps of about {gap} µm with loads of about {load} N"
