@@ -7,7 +7,6 @@ would take longer to read than scenes to solve.
 from __future__ import annotations
 
 import csv
-import difflib
 import io
 import json
 import os
@@ -568,6 +567,8 @@ def _check_header(
 def _nearest_column(name: str, columns: Collection[str]) -> str:
     """The column that a word of a header's cell names, begins or is close to; "" if none."""
     first, *others = re.split(r"[^a-z0-9]+", name.lower())
+    import difflib
+
     words = [each for each, own in COLUMN_OF_WORDS.items() if own in columns]
     named = [each for each in words if each in (first, *others)]
     begun = [each for each in words if len(first) > 2 and each.startswith(first)]
