@@ -15,9 +15,11 @@ from test_slow_film import disc_stiffness
 
 from squeezefilm.api.film import Film
 from squeezefilm.cli.main import main
+from squeezefilm.dynamics import levitation
 from squeezefilm.dynamics.levitation import levitate
 from squeezefilm.dynamics.resonance import OVERDAMPED_STATUS, resonance
 from squeezefilm.errors import RunError
+from squeezefilm.film.pad import GapShape
 from squeezefilm.reynolds import solve
 from squeezefilm.reynolds.device import choose_device
 
@@ -262,6 +264,16 @@ def test_a_gap_that_says_nothing_of_a_real_film_is_not_given(
     assert all(
         reason in said.err for reason in [*reasons, "limits of validity hold for gaps of about"]
     )
+
+
+@pytest.mark.parametrize("tilt_m", [0.0, 3e-6])
+def test_the_loads_of_the_valid_gaps_are_those_of_forces_at_each_of_them(monkeypatch, tilt_m):
+    auto = film(epsilon=0.4, sigma=1000.0).with_gas(inertia="auto", thermal="auto")
+    scene = with_pad(auto, gap=GapShape(tilt_x_m=tilt_m))
+    text = levitation.valid_range_text(scene, method="auto", **SETTINGS)
+    assert "N" in text.split("loads of about")[1]
+    monkeypatch.setattr(levitation, "RANGE_GAPS_PER_FORCE", 1)
+    assert levitation.valid_range_text(scene, method="auto", **SETTINGS) == text
 
 
 def test_a_printed_table_names_a_reason_once_below_it(capsys):

@@ -46,7 +46,8 @@ LIGHT = {
     "from squeezefilm.cli.main import main; main('simulate --h0 5um --hv 2um'.split())": {
         *("multiprocessing", "pandas", "scipy", "squeezefilm.film.measured.smooth"),
         *("squeezefilm.film.measured.table", "squeezefilm.config.study"),
-        *("squeezefilm.config.keys", "squeezefilm.config.messages"),
+        *("squeezefilm.config.keys", "squeezefilm.config.messages", "squeezefilm.provenance"),
+        *("squeezefilm.reynolds.self_test", "subprocess", "difflib"),
     },
     "from squeezefilm.cli.main import main\ntry: main(['--help'])\nexcept SystemExit: pass": {
         *("ast", "ctypes", "dataclasses", "hashlib", "numpy", "tempfile"),

@@ -6,7 +6,6 @@ would take longer to read than scenes to solve.
 
 from __future__ import annotations
 
-import difflib
 import io
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -496,6 +495,8 @@ def _check_header(
 
 def _nearest_column(name: str, columns: Collection[str]) -> str:
     """The column that a word of a header's cell names, begins or is close to; "" if none."""
+    import difflib  # only needed here
+
     first, *others = re.split(r"[^a-z0-9]+", name.lower())
     words = [each for each, own in COLUMN_OF_WORDS.items() if own in columns]
     named = [each for each in words if each in (first, *others)]

@@ -7,7 +7,7 @@ amplitude of the surface kept.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from itertools import product
@@ -41,8 +41,9 @@ ROUGH_FORCE_TOLERANCE = 1e-3
 MAX_ROOT_STEPS = 40
 # Rounds of a gap found and its terms decided there, until both agree.
 MAX_TERM_ROUNDS = 4
-# Gaps of the range of validity that a message names: 2 % apart or less.
-RANGE_GAP_COUNT = 377
+# Gaps of the range of validity that a message names, 2 % apart or less; one of so many is solved
+# for, between which forces go nearly as powers of the gap.
+RANGE_GAP_COUNT, RANGE_GAPS_PER_FORCE = 377, 8
 # Change of ln h0 in a step, and the force over the load that stands for smaller ones.
 MAX_LOG_GAP_STEP, MIN_FORCE_OVER_LOAD = 0.2, 1e-6
 # A gap is not given where its modelling error is more than this fraction of it.
@@ -187,7 +188,7 @@ def valid_range_text(
     # Whether the limits hold at each gap, for each choice of these terms.
     by_choice = np.array(
         [
-            validity_texts(Scenes.of(_scenes_at_gaps(scene.with_gas(**chosen), gaps_m))) == OK
+            validity_texts(_scenes_at_gaps(scene.with_gas(**chosen), gaps_m)) == OK
             for values in product(("none", "included"), repeat=len(auto))
             for chosen in [dict(zip(auto, values, strict=True))]
         ]
@@ -201,28 +202,29 @@ def valid_range_text(
     # Terms are decided where the limits depend on them; other gaps have those of the nearest.
     limited = np.flatnonzero(by_choice.any(axis=0) & ~by_choice.all(axis=0))
     limited = limited if limited.size else np.array([len(gaps_m) - 1])
-    decided = resolve_auto_terms(
-        _scenes_at_gaps(scene, gaps_m[limited]),
-        model_tolerance=model_tolerance,
-        method=method,
-        device=device,
+    how: dict[str, Any] = {"method": method, "device": device}
+    decided = Scenes.of(
+        resolve_auto_terms(
+            _scenes_at_gaps(scene, gaps_m[limited]), model_tolerance=model_tolerance, **how
+        )
     )
     nearest = np.abs(np.subtract.outer(np.arange(len(gaps_m)), limited)).argmin(axis=1)
-    at_gaps = [
-        replace(decided[int(k)], h0_m=float(gap_m))
-        for k, gap_m in zip(nearest, gaps_m, strict=True)
-    ]
+    at_gaps = replace(decided[nearest], h0_m=gaps_m)
+    within = validity_texts(at_gaps) == OK
+    last, changes = len(gaps_m) - 1, np.flatnonzero(np.diff(within))
+    known = np.unique([*range(0, last, RANGE_GAPS_PER_FORCE), last, *changes, *changes + 1])
     rough = max(tolerance, TRIAL_FORCE_TOLERANCE)
-    forces_n = solve(at_gaps, tolerance=rough, method=method, device=device).force_n
-    with np.errstate(invalid="ignore"):
-        valid = (np.gradient(forces_n, gaps_m) < 0) & (forces_n > 0)
-    valid &= validity_texts(Scenes.of(at_gaps)) == OK
+    known_forces_n = solve(at_gaps[known], tolerance=rough, **how).force_n
+    log_gaps = np.log(gaps_m)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        log_forces = np.interp(log_gaps, log_gaps[known], np.log(known_forces_n))
+        valid = within & np.isfinite(log_forces) & (np.gradient(log_forces, log_gaps) < 0)
     ends = np.flatnonzero(np.diff(valid, prepend=False, append=False)).reshape(-1, 2)
     if not ends.size:
         return NO_VALID_GAP_TEXT
     gaps, loads = (
         [_inward_rounded_range_text(values[slice(*run)]) for run in ends]
-        for values in (1e6 * gaps_m, forces_n)
+        for values in (1e6 * gaps_m, np.exp(log_forces))
     )
     ranges = ", ".join(
         f"gaps of about {gap} µm with loads of about {load} N"
@@ -332,8 +334,9 @@ def _require_finite(values: Any, scene: Scene, status: str) -> Any:
     return values
 
 
-def _scenes_at_gaps(scene: Scene, gaps_m: Iterable[float]) -> list[Scene]:
-    return [replace(scene, h0_m=float(gap)) for gap in gaps_m]
+def _scenes_at_gaps(scene: Scene, gaps_m: Sequence[float] | np.ndarray) -> Scenes:
+    rows = np.zeros(len(gaps_m), dtype=np.int64)
+    return replace(Scenes.of([scene])[rows], h0_m=np.array(gaps_m))
 
 
 def _trial_gaps_m(scene: Scene, count: int) -> np.ndarray:

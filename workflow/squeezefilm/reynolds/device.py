@@ -8,7 +8,6 @@ import os
 import platform
 import shutil
 import struct
-import subprocess
 import threading
 import time
 import warnings
@@ -328,6 +327,8 @@ def check_linker(linker: str | None) -> None:
             "PoCL links kernels by the linker ld, which is not on the PATH: install a C compiler "
             "and the C library's development files (Debian and Ubuntu: apt install gcc libc6-dev)"
         )
+    import subprocess
+
     trial = [linker, "-shared", "-o", os.devnull, "-lc"]
     linked = subprocess.run(trial, capture_output=True, check=False, text=True, errors="replace")
     if linked.returncode:

@@ -20,7 +20,6 @@ from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.refinement import solve_periodic
 from squeezefilm.reynolds.periodic.resolution import unresolved_profile_reasons
 from squeezefilm.reynolds.plan import SolvePlan, solve_plan_of
-from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.terms import unsupported_on_grid_reason
 from squeezefilm.solution import Solution, Solutions
 
@@ -78,6 +77,8 @@ def solve(
             return solutions
         chosen = device or choose_device()
         if not chosen.is_cpu:
+            from squeezefilm.reynolds.self_test import check_device
+
             check_device(chosen)
         count_progress(len(subset) - waiting)
         how: dict[str, Any] = {

@@ -39,7 +39,6 @@ from squeezefilm.reynolds.periodic.resolution import (
     unresolved_profile_reasons,
 )
 from squeezefilm.reynolds.plan import SolvePlan
-from squeezefilm.reynolds.self_test import check_device
 from squeezefilm.reynolds.terms import Terms, distinct_term_sets
 from squeezefilm.reynolds.terms.outline import RadialFilm, SmoothOutline
 
@@ -111,6 +110,8 @@ def films_on_grids_of(
         grid_count: up to which grid, from the coarser of these on; the last two are solved on.
     """
     if not device.is_cpu:
+        from squeezefilm.reynolds.self_test import check_device
+
         check_device(device)
     how: dict[str, Any] = {
         "tolerance": tolerance,

@@ -46,7 +46,7 @@ Terms = tuple[Term, ...]
 # of one force solves films with and without each of them, and a program takes seconds to compile
 # and 30 ms to load. The second are in that of films with one of them, and of a few films with none.
 ALWAYS_COMPILED_TERMS: Terms = (EdgePressure(),)
-COMPILED_TOGETHER_TERMS: Terms = (FlowFactor("fukui-kaneko"), Inertia(), Thermal())
+COMPILED_TOGETHER_TERMS: Terms = (FlowFactor(), Inertia(), Thermal())
 SWITCHABLE_TERM_NAMES = tuple(
     term.NAME for term in (*ALWAYS_COMPILED_TERMS, *COMPILED_TOGETHER_TERMS)
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,10 +15,8 @@ if TYPE_CHECKING:
     from squeezefilm.reynolds.grid import Grid
 
 
-@dataclass(frozen=True)
 class Bearing(Term):
-    label: str = "Couette term"
-
+    label = "Couette term"
     NAME = "bearing"
     ABSENT_TERM = AbsentTerm("Couette term", "the pad is at rest")
     SYMMETRY_BROKEN_AXES = "x"

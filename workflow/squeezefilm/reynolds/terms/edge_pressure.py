@@ -8,18 +8,14 @@ by g is neglected.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from squeezefilm.film.scene import Scene
 from squeezefilm.reynolds.terms.term import Term
 
 
-@dataclass(frozen=True)
 class EdgePressure(Term):
     """No scene has it by itself: a batch brings its arrays (periodic/launch.py)."""
 
-    label: str = "edge pressure"
-
+    label = "edge pressure"
     NAME = "edge_pressure"
     KERNEL_FILE = "terms/edge_pressure_over_period.cl"
     KERNEL_HOOKS = ("residual",)

@@ -40,6 +40,7 @@ class NonuniformGap(Term):
             where one has all of them.
     """
 
+    label: str
     preconditioner_count: int = 0
 
     NAME = "any_gap"

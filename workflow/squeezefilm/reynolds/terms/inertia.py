@@ -18,7 +18,6 @@ Re ρ H²/10 larger by 1 + 4 Kn/(ρH), to first order in Kn.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -90,10 +89,8 @@ class VelocityTerm(Term):
         return ""
 
 
-@dataclass(frozen=True)
 class Inertia(VelocityTerm):
-    label: str = "inertia"
-
+    label = "inertia"
     NAME = "inertia"
     EQUATION_NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {"reynolds": 0, "reversing": 0}
     ABSENT_TERM = AbsentTerm("inertia", "gas.inertia does not include it", "no inertia")

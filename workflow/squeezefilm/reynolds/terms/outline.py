@@ -6,7 +6,6 @@ rectangle's form but for this weight J/J̄ of σ d(Hρ)/dT; the term adds what i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -23,10 +22,8 @@ if TYPE_CHECKING:
 EXACT_OUTLINE_TOLERANCE = 1e-9
 
 
-@dataclass(frozen=True)
 class SmoothOutline(Term):
-    label: str = "smooth outline"
-
+    label = "smooth outline"
     NAME = "outline"
     KERNEL_FILE = "terms/outline_over_period.cl"
     KERNEL_HOOKS: ClassVar[tuple[str, ...]] = ("residual", "response")
@@ -93,7 +90,6 @@ class SmoothOutline(Term):
         }
 
 
-@dataclass(frozen=True)
 class RadialFilm(SmoothOutline):
     """A disc on an axisymmetric film: its radius is the only axis, and has its own modes."""
 

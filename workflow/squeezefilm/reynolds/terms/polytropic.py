@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from squeezefilm.film.scene import OperatingPoints, Scene
 from squeezefilm.reynolds.terms.term import AbsentTerm, NamedNumbers, Term
 
 
-@dataclass(frozen=True)
 class Polytropic(Term):
-    label: str = "polytropic gas"
-
+    label = "polytropic gas"
     NAME = "polytropic"
     ABSENT_TERM = AbsentTerm("polytropic gas", "gas.polytropic_exponent is 1")
     KERNEL_FILE = "terms/polytropic_over_period.cl"

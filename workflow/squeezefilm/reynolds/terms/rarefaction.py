@@ -8,7 +8,6 @@ flow, a function of the local inverse Knudsen number x = D ρ H.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, ClassVar
@@ -86,13 +85,10 @@ def flow_to_viscous_ratio(numbers: np.ndarray, mass: np.ndarray) -> np.ndarray:
     return np.asarray(1 + coefficient * flow / mass)
 
 
-@dataclass(frozen=True)
 class Rarefaction(Term):
-    """First-order slip (Burgdorfer 1959), with the gas' ``slip_coefficient``.
+    """First-order slip (Burgdorfer 1959), with the gas' ``slip_coefficient``."""
 
-    ``label`` is the gas' ``rarefaction``, ``slip`` or, of a FlowFactor, ``fukui-kaneko``.
-    """
-
+    label = "slip"
     NAME = "rarefaction"
     EQUATION_NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {"flow": 2}
     ABSENT_TERM = AbsentTerm("rarefaction", "gas.rarefaction is none", "no slip")
@@ -100,18 +96,18 @@ class Rarefaction(Term):
 
     @classmethod
     def of(cls, scene: Scene) -> Rarefaction | None:
-        kinds = {"slip": Rarefaction, "fukui-kaneko": FlowFactor}
+        kinds = {kind.label: kind for kind in (Rarefaction, FlowFactor)}
         kind = kinds.get(scene.gas.rarefaction)
-        return kind(scene.gas.rarefaction) if kind else None
+        return kind() if kind else None
 
     def equation_numbers(self, scene: OperatingPoints) -> NamedNumbers:
         return {"flow": (1.0, 6 * scene.slip_knudsen)}
 
 
-@dataclass(frozen=True)
 class FlowFactor(Rarefaction):
     """Flow by the linearised Boltzmann equation, as of Fukui and Kaneko, J. Tribology 110, 1988."""
 
+    label = "fukui-kaneko"
     NAME = "flow_factor"
     EQUATION_NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {
         "flow": 2,

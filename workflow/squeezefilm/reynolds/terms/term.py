@@ -7,7 +7,7 @@ term says nothing about does not know it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -75,7 +75,7 @@ class Term:
             term.
     """
 
-    label: str
+    label: str = field(init=False)
 
     NAME: ClassVar[str]
     ABSENT_TERM: ClassVar[AbsentTerm | None] = None

@@ -26,7 +26,6 @@ for 6j². The numbers in w are those of no slip.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from squeezefilm.film.scene import OperatingPoints, Scene
@@ -43,10 +42,8 @@ def temperature_jump(scene: OperatingPoints) -> Any:
     return 2 * ratio / ((ratio + 1) * scene.gas.prandtl) * scene.knudsen * slips
 
 
-@dataclass(frozen=True)
 class Thermal(VelocityTerm):
-    label: str = "thermal effects"
-
+    label = "thermal effects"
     NAME = "thermal"
     EQUATION_NUMBER_WIDTHS: ClassVar[Mapping[str, int]] = {
         "heating": 0,
