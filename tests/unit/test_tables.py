@@ -14,6 +14,7 @@ from squeezefilm.table_writer import table_writer, write_table
 from squeezefilm.tables import (
     FORCE_COLUMNS,
     SCENE_COLUMNS,
+    read_columns,
     read_forces,
     read_ok_forces,
     read_scenes,
@@ -257,3 +258,10 @@ def test_a_table_that_cannot_be_written_is_refused_before_anything_is_solved(tmp
     (tmp_path / "file").touch()
     output = f"--output={tmp_path}/file/forces.csv"
     assert f"{tmp_path}/file is no folder" in refused("simulate", "--h0=5um", "--hv=1um", output)
+
+
+def test_a_row_of_words_with_a_unit_among_them_is_no_line_of_units(tmp_path) -> None:
+    path = tmp_path / "claims.csv"
+    path.write_text("claim_id,claim,unit,verdict\nspace,the experimental space,µm,agrees\n")
+    table = read_columns(path, columns=("claim_id", "claim", "unit", "verdict"))
+    assert table["unit"].tolist() == ["µm"]

@@ -260,13 +260,14 @@ def _names_with_unit_line(
 ) -> list[str] | None:
     """Names with the units of the line below them; None if that line is not of units.
 
-    It is one if some cells are known units, and none a number: one that is not known is named in a
-    message if its column is needed.
+    It is one if half of what it names are known units, and none a number: one that is not known is
+    named in a message if its column is needed.
     """
     cells = [cell.strip(" []()") for cell in cells]
     known = [vocabulary.size_of_unit(cell) is not None for cell in cells]
+    are_few = 2 * sum(known) < sum(map(bool, cells))
     are_numbers = any(re.match(r"[-+]?[.,]?\d", cell) for cell in cells)
-    if not any(known) or are_numbers or len(cells) > len(names):
+    if not any(known) or are_few or are_numbers or len(cells) > len(names):
         return None
     return [
         _name_with_unit(name, cell, vocabulary)
