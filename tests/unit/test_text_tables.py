@@ -101,7 +101,6 @@ AMBIGUOUS = {
     ),
     "rows that are columns": ("h0_um,5,6,7\nhv_um,1,1,1\n", "line 1: no header names the columns"),
     "no header": ("5e-6,1e-6\n6e-6,1e-6\n", "line 1: no header names the columns: '5e-6,1e-6'"),
-    "an amplitude that is none": ("h0_um,hv rms [µm]\n5,1\n", "mean 'hv_m', zero to peak?)"),
     "a unit in some cells": (
         "h0,hv\n5 um,1 um\n6 um,900\n",
         "line 3: hv [um] is '900', and '1 um'",

@@ -141,8 +141,10 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
             cells = split_cells(line, separator)
             if separator == BLANK_SEPARATOR and '"' not in line:
                 cells = BETWEEN_NAMES_PATTERN.split(line.strip())
+            if 2 * sum(map(is_number, cells)) > len(cells):
+                continue
             known = vocabulary.quantities(cells)
-            if not known or 2 * sum(map(is_number, cells)) > len(cells):
+            if not known:
                 continue
             row = split_cells(below, between)
             if between == BLANK_SEPARATOR and len(row) == 1:

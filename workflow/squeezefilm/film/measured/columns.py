@@ -201,7 +201,7 @@ def quantity_of_words(words: Sequence[str], unit: str = "") -> str | None:
 
 def scan_column_of_cell(name: str, column_index: int = 0) -> ScanColumn | None:
     """The column that a cell of a header names; None for one that a scan does not have."""
-    if FREQUENCY_NAME_PATTERN.fullmatch(name):
+    if FREQUENCY_NAME_PATTERN.fullmatch(name) or (name == LABVIEW_X_NAME and not column_index):
         return None
     cell = OVER_DRIVE_PATTERN.sub("", FREQUENCY_IN_NAME_PATTERN.sub("", name))
     cell = RMS_OR_PEAK_UNIT_PATTERN.sub(r" \2 \1\3", cell)
@@ -258,12 +258,6 @@ class ScanVocabulary(Vocabulary):
     def column(self, cell: str, column_index: int = 0) -> ScanColumn | None:
         return scan_column_of_cell(cell, column_index)
 
-    def columns(self, header: Sequence[str]) -> list[ScanColumn]:
-        named = (
-            self.column(name, at) for at, name in enumerate(header) if at or name != LABVIEW_X_NAME
-        )
-        return [each for each in named if each]
-
     def quantities(self, header: Sequence[str]) -> Collection[str]:
         known = {each.quantity for each in self.columns(header)} - {*ROW_STATUS_QUANTITIES}
         return known - {"line"} if known & {*COORDINATE_UNITS} else known
@@ -284,7 +278,8 @@ SCAN_VOCABULARY = ScanVocabulary()
 
 def header_columns(header: Sequence[str]) -> list[ScanColumn]:
     """The columns that a header names."""
-    return SCAN_VOCABULARY.columns(header)
+    named = (scan_column_of_cell(name, at) for at, name in enumerate(header))
+    return [each for each in named if each]
 
 
 def select_columns(
