@@ -148,7 +148,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         /* Inner accuracy after Eisenstat and Walker: no finer than Newton's own error. */
         const double bend = s.residual * s.residual;
         const double last = bend < 0.1 * goal ? 0.7 : 0.3;
-        const double floor = fmax(LINEAR_ROUNDING / 10, 0.05 * *lack);
+        const double floor = fmax(LINEAR_ROUNDING / 10, 0.3 * *lack);
         const double target = fmax(fmax(last * goal, floor * s.residual),
                                    fmin(0.1 * s.residual, 3.0 * bend));
         /* From rest what the preconditioner takes for the answer is as good as GMRES' first step, which
