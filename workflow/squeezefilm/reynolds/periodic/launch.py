@@ -63,8 +63,8 @@ from squeezefilm.reynolds.terms.edge_pressure import EdgePressure
 MAX_NEWTON_STEPS = 40
 MIN_KRYLOV_ITERATIONS, MAX_KRYLOV_ITERATIONS = 20, 80
 MAX_WORKSPACE_BYTES = 256 * 2**20
-# Numbers between the terms' fields, of which a loop takes twenty: few have room in the first
-# cache together where they are a multiple of 4 KiB apart, as of 16 × 16 × 12 unknowns.
+# Numbers between the terms' fields, of which a loop takes twenty: where they are a multiple of
+# 4 KiB apart, as with 16 × 16 × 12 unknowns, few fit the first cache together.
 FIELD_PADDING = 16
 # Operations that a scene may take; half of them on one grid. One core does 4e9 to 2e10 a second. Of
 # the films of verification/films.py, those that are solved take up to 2e11 (Re 5, σ 1, at 1e-5).
