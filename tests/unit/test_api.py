@@ -3,6 +3,7 @@
 import ast
 import importlib
 import json
+import re
 import subprocess
 import sys
 
@@ -231,6 +232,12 @@ def test_a_saved_fit_is_the_one_that_the_command_line_reads(fit, tmp_path, capsy
     assert table["force_n"].iloc[0] == fit.predict(6e-6, 1e-6)["force_n"].iloc[0]
     assert fit.name in fit.code("c")
     assert "limit_1: limit + t0" in str(fit)
+    (line,) = [each for each in str(fit).splitlines() if each.startswith("prediction error (95 %)")]
+    parts = re.search(r"± \((\S+) N \+ (\S+) % of the force\)", line)
+    constant_n, percent = map(float, parts.groups())
+    assert fit.predict(6e-6, 1e-6)["error_95_n"].iloc[0] == pytest.approx(
+        constant_n + percent / 100 * fit.predict(6e-6, 1e-6)["force_n"].iloc[0], rel=0.1
+    )
 
 
 @pytest.mark.parametrize(

@@ -217,9 +217,10 @@ class Fit:
         theta |= {"parameters": "; ".join(fit.parameter_notes)} if fit.parameter_notes else {}
         formula = f"{self.name}: {fit.force_model.formula_text}"
         row = {"formula": formula, **theta, "fitted_points": fit.points}
-        return result_lines_text(
-            row | {"global_error": fit.global_error, "validation": self.statement}
-        )
+        row |= {"global_error": fit.global_error, "validation": self.statement}
+        if fit.prediction_interval:
+            row |= {"prediction error (95 %)": fit.prediction_interval.error_95_text}
+        return result_lines_text(row)
 
     __repr__ = __str__
 

@@ -119,6 +119,14 @@ class PredictionInterval(BaseModel):
         )
 
     @property
+    def error_95_text(self) -> str:
+        """The 95 % half width at a force, as text; empty where it is infinite."""
+        if self.error_95 is None:
+            return ""
+        constant_n, relative = self.error_95
+        return f"± ({error_text(constant_n)} N + {error_text(100 * relative)} % of the force)"
+
+    @property
     def space_name(self) -> str:
         """The declared space in words."""
         parts = []
