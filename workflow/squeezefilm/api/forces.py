@@ -92,7 +92,7 @@ class Force:
 
     @property
     def error_n(self) -> float:
-        """The numerical error in newtons: the solver's estimate, ``force_error_n`` of tables.
+        """The solver's estimate of the numerical error in newtons, ``force_error_n`` of tables.
 
         It contains neither the noise of a scan, ``scan``, nor ``modelling_error_percent``.
         """

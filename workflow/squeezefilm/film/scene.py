@@ -153,7 +153,7 @@ class Scene(OperatingPoints):
 
     @property
     def force_scale_n(self) -> float:
-        """p0 times the pad's area: the force of a mean gauge pressure of one atmosphere."""
+        """The force in newtons of a mean gauge pressure p0 on the pad."""
         return self.gas.ambient_pressure_pa * self.pad.area_m2
 
     @property
@@ -458,7 +458,7 @@ class Scenes(OperatingPoints, Sequence[Scene]):
 
     @cached_property
     def force_scale_n(self) -> Any:
-        """p0 times the pad's area: the force of a mean gauge pressure of one atmosphere."""
+        """The force in newtons of a mean gauge pressure p0 on the pad."""
         return self.gas.ambient_pressure_pa * self.film_value_column(lambda film: film.pad.area_m2)
 
     @cached_property

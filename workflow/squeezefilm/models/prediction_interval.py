@@ -130,8 +130,8 @@ class PredictionInterval(BaseModel):
     def space_name(self) -> str:
         """The declared space in words."""
         parts = []
-        for name, (low, high) in self.ranges.items():
-            column = COLUMNS[name]
+        for name in (name for name in COLUMNS if name in self.ranges):  # a file sorts them
+            column, (low, high) = COLUMNS[name], self.ranges[name]
             extent = " to ".join(f"{column.in_shown_unit(end):.4g}" for end in sorted({low, high}))
             parts.append(f"{column.text_symbol} {extent} {column.shown_unit}")
         return ", ".join(parts)

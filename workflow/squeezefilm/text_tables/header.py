@@ -74,11 +74,11 @@ class Vocabulary:
     def columns(self, header: Sequence[str]) -> Sequence[Column]:
         """The columns that a header names."""
         named = (self.column(name, at) for at, name in enumerate(header))
-        return [each for each in named if each]
+        return [column for column in named if column]
 
     def quantities(self, header: Sequence[str]) -> Collection[str]:
         """The quantities by which a header is known."""
-        return {each.quantity for each in self.columns(header)}
+        return {column.quantity for column in self.columns(header)}
 
     def size_of_unit(self, cell: str) -> float | None:
         """The size of the unit in a cell of a line of units; None of one that is not known."""
@@ -104,9 +104,9 @@ class Header:
 def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form: str) -> Header:
     """The header of a table, which may be a comment.
 
-    It names some quantities, stands above numbers and has as many cells; others are taken where
-    there is none, and one that names a single quantity right above numbers. Where no line names
-    any, ``is_known`` is false.
+    Of the lines that name two quantities or more, one above numbers is preferred, then one above
+    as many cells, then the one that names most, then the first. A single quantity suffices above
+    as many numbers, but not in a comment. Where no line suffices, ``is_known`` is false.
 
     Args:
         what, form: what the table is and what it needs, for messages.

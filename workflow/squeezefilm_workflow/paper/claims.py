@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from squeezefilm.formatting import interval_text
+from squeezefilm.formatting import column_label, interval_text, percent_text
 from squeezefilm.models.data import Factors
 from squeezefilm.models.fit_file import FittedModel
 from squeezefilm.solution import MODELLING_ERROR_COLUMNS
@@ -197,7 +197,7 @@ def _operating_point_values(results: Results) -> ClaimValues:
         "budget": budget,
         "equation": included if present else "Eq. (1) neglects",
         "effects": ", ".join(
-            f"{name} {budget[f'{name}_percent']:+.1f} %"
+            f"{column_label(name)} {percent_text(budget[f'{name}_percent'])}"
             for name in ("inertia", "slip", "thermal")
             if name not in present
         ),
