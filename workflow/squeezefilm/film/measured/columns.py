@@ -27,12 +27,12 @@ from squeezefilm.text_tables.header_cells import (
     fold_accents,
     normalised_unit,
     possible_words_and_units,
+    sizes_of_normalised_units,
     words_of_file,
 )
 from squeezefilm.units import unit_sizes
 
-LENGTH_UNITS_M = {fold_accents(name): size for name, size in unit_sizes("m").items()}
-LENGTH_UNITS_M |= {"in": 0.0254, "mil": 25.4e-6}
+LENGTH_UNITS_M = sizes_of_normalised_units("m")
 # Units of motions, and by which power of the angular frequency they are larger than a displacement.
 OMEGA_POWER_OF_SUFFIX = {"": 0, "/s": 1, "/s²": 2}
 MOTION_UNITS = {
