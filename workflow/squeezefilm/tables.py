@@ -290,9 +290,7 @@ def _read_rows(
         asked = columns_in_table_form(columns, header)
         optional = [*optional, *columns_in_table_form(optional, header)]
         problems = _uncertain_cells_problem(uncertain, columns)
-        _check_header(
-            header, asked, optional, others=others, required=required, problems=problems
-        )
+        _check_header(header, asked, optional, others=others, required=required, problems=problems)
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
     return table, lines
@@ -509,7 +507,9 @@ def _check_header(
             told.append(f"unknown column {name!r}" + f" (did you mean {near}?)" * bool(near))
     if told or problems:
         named = "; ".join([*told[:MAX_ROWS_IN_MESSAGE], *problems])
-        raise InputError(f"{named}; the table needs {required}" + "; delete other columns" * bool(told))
+        raise InputError(
+            f"{named}; the table needs {required}" + "; delete other columns" * bool(told)
+        )
     for name in missing:
         form = f" ({POSITION_FORMS_TEXT})" if name in position else ""
         missed = f"column {name!r} is missing; it has {', '.join(header)}{form}"

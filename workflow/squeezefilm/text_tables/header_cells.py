@@ -46,7 +46,6 @@ def fold_accents(text: str) -> str:
     return "".join(each for each in letters if not unicodedata.combining(each))
 
 
-
 def sizes_of_normalised_units(unit: str) -> dict[str, float]:
     """The units that measure what a unit does, as ``normalised_unit`` has them, and their sizes."""
     inches = {"in": 0.0254, "mil": 25.4e-6, "uin": 25.4e-9} if unit == "m" else {}

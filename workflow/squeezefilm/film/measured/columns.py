@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -309,6 +310,7 @@ def select_columns(
         wanted = {*wanted} - {"real", "imaginary"}
     named = [column for column in named if column.quantity in wanted]
     named, notes = _columns_at_frequency(named, frequency_hz)
+    _reject_data_sets_side_by_side(named)
     columns: dict[str, ScanColumn] = {}
     for column in sorted(named, key=lambda each: each.size is None):
         first = columns.setdefault(column.quantity, column)
@@ -320,6 +322,20 @@ def select_columns(
                 f"{column.name!r}; leave one of them out{mean}"
             )
     return dict(sorted(columns.items(), key=lambda each: each[1].column_index)), notes
+
+
+def _reject_data_sets_side_by_side(named: Sequence[ScanColumn]) -> None:
+    """Reject places that stand repeatedly, each with another quantity, as digitisers write them."""
+    counts = Counter(column.quantity for column in named)
+    repeated = [quantity for quantity, count in counts.items() if count > 1]
+    if len(repeated) > 1 and {*repeated} & {*COORDINATE_UNITS}:
+        names = [repr(each.name) for each in named if each.quantity in repeated]
+        is_curve = not {*counts} & {*AMPLITUDE_UNITS}
+        kept = "x_mm, amplitude_um" if is_curve else "x_mm, y_mm, amplitude_um"
+        raise InputError(
+            f"several data sets side by side: {list_text(names)}; keep the columns of one, with a "
+            f"quantity and a unit in each name, such as {kept}"
+        )
 
 
 def _is_signed_component(column: ScanColumn) -> bool:

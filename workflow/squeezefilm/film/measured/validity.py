@@ -26,7 +26,20 @@ def valid_rows(
     """
     read, notes = [], []
     for column in others:
-        if column.quantity not in ROW_STATUS_QUANTITIES:
+        if not column.quantity:  # a name that is not known: cells may tell
+            words = cells[column.column_index].drop_duplicates()
+            folded = words.map(fold_accents)
+            is_bad = folded.isin({*WORDS_OF_MEANING["bad"]} - {"--"})
+            is_status = (is_bad | folded.isin([*WORDS_OF_MEANING["good"], "--", ""])).all()
+            if is_bad.any() and not is_status:
+                notes.append(
+                    f"column {column.name!r} is not used, and has "
+                    f"{list_text(words[is_bad].tolist())}; if these rows are invalid, call it "
+                    "status and write valid or invalid"
+                )
+            if not (is_bad.any() and is_status):
+                continue
+        elif column.quantity not in ROW_STATUS_QUANTITIES:
             continue
         values = cells[column.column_index].map(fold_accents)
         numbers = parse_numbers(values)
