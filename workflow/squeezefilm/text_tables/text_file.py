@@ -79,7 +79,8 @@ def lines_of_text(content: bytes, *, form: str) -> tuple[list[str], list[str]]:
         text = _rows_of_markup(text.strip())
     notes = [f"read as {encoding}"] * (encoding != "utf-8")
     text_lines = io.StringIO(text, newline=None).read().split("\n")
-    return _without_bars(text_lines), notes
+    have_bars = any(sign in text for sign in "|│&")
+    return _without_bars(text_lines) if have_bars else text_lines, notes
 
 
 def _rows_of_markup(text: str) -> str:
