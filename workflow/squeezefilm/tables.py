@@ -46,15 +46,14 @@ from squeezefilm.text_tables.header import (
     no_header_text,
     rows_of_lines,
 )
-from squeezefilm.text_tables.header_cells import normalised_unit, possible_words_and_units
 from squeezefilm.text_tables.scene_header import (
     COLUMN_OF_WORDS,
     DEVIATION_WORDS,
-    SIZE_OF_UNIT,
     UNIT_SIZES_OF_BASE_UNIT,
     SceneVocabulary,
     column_and_unit,
     is_peak_to_peak,
+    words_and_unit,
 )
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR_COLUMNS)
@@ -328,7 +327,7 @@ def _read_csv_rows(
     numbers = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], numbers, names[:width], dtype="str")
     uncertain = (
-        [name for name, cells in table.items() if cells.str.contains(r"\d±", regex=True).any()]
+        [str(name) for name, cells in table.items() if cells.str.contains(r"\d±", regex=True).any()]
         if any("±" in line for line in lines)
         else []
     )
@@ -495,7 +494,7 @@ def _check_header(
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
         beside = [name for name in beside if column_and_unit(name)[0] in factors]
-    told = []
+    told, suggested = [], set[str]()
     for name in beside:
         own, *_ = column_and_unit(name)
         if own in {*columns, *position}:
@@ -503,8 +502,9 @@ def _check_header(
             units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES_OF_BASE_UNIT[base])
             told.append(f"column {name!r} needs a unit, one of {units}")
         else:
-            near = _likely_column(name, factors, missing=missing)
-            told.append(f"unknown column {name!r}" + f" (did you mean {near}?)" * bool(near))
+            likely = _likely_column(name, factors, missing={*missing} - suggested)
+            suggested.add(likely)
+            told.append(f"unknown column {name!r}" + _suggestion_text(name, likely) * bool(likely))
     if told or problems:
         named = "; ".join([*told[:MAX_ROWS_IN_MESSAGE], *problems])
         raise InputError(
@@ -517,9 +517,9 @@ def _check_header(
 
 
 def _likely_column(name: str, columns: Collection[str], *, missing: Collection[str]) -> str:
-    """The column, in the unit of a header's cell, that its words name, begin or are close to.
+    """The column that a word of a header's cell names, begins or is close to; "" if none.
 
-    Where words do not tell, that of the unit, a ``missing`` one first; "" if none.
+    Where words do not tell, that of the unit, a ``missing`` one first.
     """
     import difflib  # only needed here
 
@@ -528,26 +528,29 @@ def _likely_column(name: str, columns: Collection[str], *, missing: Collection[s
     named = [each for each in words if each in (first, *others)]
     begun = [each for each in words if len(first) > 2 and each.startswith(first)]
     close = named or begun or difflib.get_close_matches(first, words, n=1)
-    words, unit = next(possible_words_and_units(name, SIZE_OF_UNIT))
-    behind_first = map(normalised_unit, re.split(r"[\s/,()\[\]]+", name)[:0:-1])
-    unit = unit or next((each for each in behind_first if each in SIZE_OF_UNIT), "")
+    if close:
+        return COLUMN_OF_WORDS[close[0]]
+    own_words, unit = words_and_unit(name)
     of_unit = [
         each for each in columns if unit in UNIT_SIZES_OF_BASE_UNIT.get(each.rpartition("_")[2], {})
     ]
-    is_deviation = bool({*words} & DEVIATION_WORDS)
+    is_deviation = bool({*own_words} & DEVIATION_WORDS)
     likely = [
         each for each in of_unit if each in missing and ("uncertainty" in each) == is_deviation
     ]
     of_unit = of_unit if len(of_unit) == 1 else likely
-    own = COLUMN_OF_WORDS[close[0]] if close else of_unit[0] if len(of_unit) == 1 else ""
-    if not own:
-        return ""
-    stem, _, base = own.rpartition("_")
-    is_known = unit in UNIT_SIZES_OF_BASE_UNIT.get(base, {})
-    kind = ", the standard one" * ("uncertainty" in own)
-    if own == "hv_m":
-        kind = ", zero to peak" + ", half of this" * is_peak_to_peak(words)
-    return repr(f"{stem}_{unit}" if is_known else own) + kind
+    return of_unit[0] if len(of_unit) == 1 else ""
+
+
+def _suggestion_text(name: str, column: str) -> str:
+    """The question whether a header's cell is a column, in the unit that it has."""
+    words, unit = words_and_unit(name)
+    stem, _, base = column.rpartition("_")
+    called = f"{stem}_{unit}" if unit in UNIT_SIZES_OF_BASE_UNIT.get(base, {}) else column
+    kind = ", the standard one" * ("uncertainty" in column)
+    if column == "hv_m":
+        kind = ", zero to peak" + ", half of peak to peak" * is_peak_to_peak(words)
+    return f" (did you mean {called!r}{kind}?)"
 
 
 def read_columns(

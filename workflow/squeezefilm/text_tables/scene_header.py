@@ -5,6 +5,7 @@ A column's words stand in scene_words.csv. Beside them a cell may have a word of
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Sequence
 
 from squeezefilm.text_tables.header import Column, Vocabulary
@@ -26,6 +27,13 @@ UNIT_SIZES_OF_BASE_UNIT = {
 SIZE_OF_UNIT = {
     name: size for units in UNIT_SIZES_OF_BASE_UNIT.values() for name, size in units.items()
 }
+
+
+def words_and_unit(cell: str) -> tuple[list[str], str]:
+    """The words of a header's cell, and the unit in it, also within: ``û / µm (0-pk)``."""
+    words, unit = next(possible_words_and_units(cell, SIZE_OF_UNIT))
+    behind_first = map(normalised_unit, re.split(r"[\s/,()\[\]]+", cell)[:0:-1])
+    return words, unit or next((each for each in behind_first if each in SIZE_OF_UNIT), "")
 
 
 def is_peak_to_peak(words: Sequence[str]) -> bool:

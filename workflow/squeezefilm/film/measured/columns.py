@@ -310,13 +310,13 @@ def select_columns(
         wanted = {*wanted} - {"real", "imaginary"}
     named = [column for column in named if column.quantity in wanted]
     named, notes = _columns_at_frequency(named, frequency_hz)
-    _reject_data_sets_side_by_side(named)
     columns: dict[str, ScanColumn] = {}
     for column in sorted(named, key=lambda each: each.size is None):
         first = columns.setdefault(column.quantity, column)
         names = {re.sub(r"\d+", "", each.name.lower()) for each in (first, column)}
         mean = ", or write one column with their mean" * (len(names) == 1)
         if first is not column and (column.size or not first.size):
+            _reject_data_sets_side_by_side(named)
             raise InputError(
                 f"the column {column.quantity!r} stands twice: {first.name!r} and "
                 f"{column.name!r}; leave one of them out{mean}"
