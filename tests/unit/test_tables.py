@@ -150,7 +150,7 @@ WRONG = {
         "column 'û / µm (0-pk)' (did you mean 'hv_um', zero to peak?); the table needs h0_m, hv_m",
     ),
     "an unknown column and uncertainties": (
-        "h0_um,Hub [µm]\n5 ± 0.1,1\n",
+        "h0_um,Hub [µm]\n5 +/- 0.1,1\n",
         "'Hub [µm]' (did you mean 'hv_um', zero to peak?); cells of 'h0_um' have uncertainties "
         "behind ±; delete these; the table needs",
     ),

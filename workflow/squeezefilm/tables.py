@@ -327,8 +327,12 @@ def _read_csv_rows(
     numbers = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], numbers, names[:width], dtype="str")
     uncertain = (
-        [str(name) for name, cells in table.items() if cells.str.contains(r"\d±", regex=True).any()]
-        if any("±" in line for line in lines)
+        [
+            str(name)
+            for name, cells in table.items()
+            if name not in TEXT_COLUMNS and cells.str.contains(r"\d±").any()
+        ]
+        if any("±" in line or "+/-" in line for line in lines)
         else []
     )
     with prefix_errors(path):

@@ -103,25 +103,16 @@ class Header:
 
 @dataclass(frozen=True)
 class _Candidate:
-    """A line that may be the header: its cells, those of a row below, what speaks for it.
+    """A line that may be the header: its cells, and how many a row below has.
 
-    ``has_numbers`` is whether the row has numbers alone.
+    ``rank`` is whether that row has numbers alone and as many cells, and the quantities named.
     """
 
+    rank: tuple[bool, bool, int]
     line: int
     cells: list[str]
     separator: str
     row_cells: int
-    has_numbers: bool
-    known_count: int
-
-    @property
-    def is_alike(self) -> bool:
-        return len(self.cells) == self.row_cells
-
-    @property
-    def rank(self) -> tuple[bool, bool, int]:
-        return self.has_numbers, self.is_alike, self.known_count
 
 
 def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form: str) -> Header:
@@ -143,21 +134,17 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
     are_numbers = (sum(map(is_number, re.split(r"[\s;,]+", lines[index]))) > 1 for index in plain)
     first_row = next((at for at, row in enumerate(are_numbers) if row), 0)
     comments = [index for index in filled if index < plain[first_row] and index not in plain]
-    places = (
-        *enumerate(plain[:MAX_LINES_ABOVE_HEADER], start=1),
-        *((bisect(plain, index), index) for index in comments[-MAX_LINES_ABOVE_HEADER:]),
-    )
     candidates = [
         candidate
-        for at, index in places
+        for index in (*plain[:MAX_LINES_ABOVE_HEADER], *comments[-MAX_LINES_ABOVE_HEADER:])
         for candidate in _candidates_of_line(
-            lines, index, plain[at:], vocabulary, is_comment=index in comments
+            lines, index, plain[bisect(plain, index) :], vocabulary
         )
     ]
     if not candidates:
         return _header_of_unknown_names(lines, plain, first_row)
     best = max(candidates, key=lambda each: each.rank)
-    if best.separator == BLANK_SEPARATOR and not best.is_alike:
+    if best.separator == BLANK_SEPARATOR and len(best.cells) != best.row_cells:
         remedy = (
             "name every column, the first, too, if it has the rows' names"
             if best.row_cells > len(best.cells)
@@ -173,15 +160,11 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
 
 
 def _candidates_of_line(
-    lines: Sequence[str],
-    index: int,
-    rows: Sequence[int],
-    vocabulary: Vocabulary,
-    *,
-    is_comment: bool,
+    lines: Sequence[str], index: int, rows: Sequence[int], vocabulary: Vocabulary
 ) -> Iterator[_Candidate]:
     """A line's names by each separator that fits the rows below, whose indices are ``rows``."""
     line = COMMENT_PATTERN.sub("", lines[index], count=1)
+    is_plain = line == lines[index]
     below = _first_row_of([lines[row] for row in rows[:MAX_TITLE_LINES]])
     for separator in SEPARATORS:
         between = separator.replace(WIDE_BLANK_SEPARATOR, BLANK_SEPARATOR)
@@ -205,11 +188,10 @@ def _candidates_of_line(
         ):
             cells = [ROW_NAMES, *cells]
         values = [without_uncertainty(cell) for cell in row if cell]
-        has_numbers = len(values) > 1 and all(map(is_number, values))
-        candidate = _Candidate(index, cells, between, len(row), has_numbers, len(known))
-        one_is_enough = candidate.is_alike and has_numbers and not is_comment
-        if len(known) >= MIN_HEADER_QUANTITIES - one_is_enough:
-            yield candidate
+        numbers = len(values) > 1 and all(map(is_number, values))
+        alike = len(cells) == len(row)
+        if len(known) >= MIN_HEADER_QUANTITIES - (alike and numbers and is_plain):
+            yield _Candidate((numbers, alike, len(known)), index, cells, between, len(row))
 
 
 def _first_row_of(rows: Sequence[str]) -> str:
