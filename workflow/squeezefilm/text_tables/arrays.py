@@ -97,7 +97,8 @@ def _reject_axis(matrix: np.ndarray) -> None:
 def _step_irregularity(values: np.ndarray) -> float:
     """The largest difference of a step between values from the mean one, over this one."""
     steps = np.diff(values)
-    if len(steps) < MIN_AXIS_STEPS or not np.all(np.isfinite(steps)) or not steps.mean():
+    steps = steps[np.isfinite(steps)]
+    if len(steps) < MIN_AXIS_STEPS or not steps.mean():
         return math.inf
     return float(np.max(np.abs(steps / steps.mean() - 1)))
 
