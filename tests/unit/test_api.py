@@ -285,7 +285,7 @@ def test_both_forms_of_position_are_refused_and_so_is_an_unknown_column(study, f
         with pytest.raises(sf.InputError, match="unknown column 'x_m'; a position is"):
             use(both)
     for use in (study.forces, fit.predict_at):
-        with pytest.raises(sf.InputError, match=r"unknown column 'xx_mm' \(did you mean 'x_m'"):
+        with pytest.raises(sf.InputError, match=r"unknown column 'xx_mm' \(did you mean 'x_mm'"):
             use(pd.DataFrame({**AT, "xx_mm": [1.0]}))
     with pytest.raises(sf.InputError, match="column 'hv_m' is missing; it has h0_m"):
         fit.predict_at(pd.DataFrame({"h0_m": [5e-6]}))

@@ -300,7 +300,7 @@ def test_forces_at_a_misspelt_position_are_not_taken_for_the_centre(
     words = [word.format(fit=study.parent / "fit.json") for word in words]
     output = tmp_path / f"output.{ENDINGS.get(reader, 'csv')}"
     told = refused(*words, path, f"--config={study}", f"--output={output}")
-    assert "unknown column 'xx_mm' (did you mean 'x_m'?)" in told
+    assert "unknown column 'xx_mm' (did you mean 'x_mm'?)" in told
 
 
 def test_an_unknown_model_is_no_fault_of_the_forces(written, refused, study):

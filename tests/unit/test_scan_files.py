@@ -918,6 +918,43 @@ def test_a_matrix_with_its_size_is_read(tmp_path):
         read(path, "# Created by Octave 8.4.0, Mon Mar 11\n# name: xy_mm\n 0 0\n")
 
 
+@pytest.mark.parametrize("part", ["column", "row"])
+def test_a_matrix_with_its_axis_is_refused(part, tmp_path):
+    """The axis was read as amplitudes."""
+    random = np.random.default_rng(1)
+    matrix = 400 * np.cos(np.arange(31) / 4) + 5 * random.standard_normal((25, 31))
+    axis = np.linspace(-12, 12, 25 if part == "column" else 31)
+    matrix = np.column_stack([axis, matrix]) if part == "column" else np.vstack([axis, matrix])
+    body = "\n".join("\t".join(f"{u:.2f}" for u in row) for row in matrix)
+    sizes = "# Width: 31 mm\n# Height: 25 mm\n# Value units: nm\n"
+    with pytest.raises(InputError, match=f"the first {part} of the matrix, -1.*has even steps"):
+        read(tmp_path / "scan.txt", sizes + body)
+
+
+def test_cells_tell_a_status_whose_name_is_not_known(tmp_path):
+    states = np.where(np.arange(len(X)) == 4, "Ungültig", "Optimal")
+    rows = zip(PLAIN.splitlines(), ["Messung", *states], strict=True)
+    content = "\n".join(map(",".join, rows))
+    path = tmp_path / "scan.csv"
+    assert notes(path, content) == (
+        "1 row invalid by column 'Messung' (Ungültig 1) excluded (line 6)"
+    )
+    assert "column 'Messung' is not used, and has Ungültig; if these rows are invalid" in notes(
+        path, content.replace("Optimal", "3b")
+    )
+
+
+def test_few_directions_are_told(tmp_path):
+    """Twelve rays give modes of no more than five nodal diameters."""
+    r, degrees = (each.ravel() for each in np.meshgrid(np.arange(1, 11), np.arange(0, 360, 30)))
+    amplitude = np.sinc(0.1098 * r) + 0.01 * np.random.default_rng(1).standard_normal(len(r))
+    path = tmp_path / "scan.csv"
+    path.write_text(text("r_mm,phi_deg,amplitude_um", r, degrees, amplitude), encoding="utf-8")
+    told = "12 directions are too few for modes above degree 5; scan more, or say actuator.profile."
+    assert told in "".join(smoothed_scan(path, FREE_SHAPE, Disc(RADIUS_M)).warnings)
+    assert told not in "".join(smoothed_scan(path, AXISYMMETRIC, Disc(RADIUS_M)).warnings)
+
+
 def test_points_rounded_beyond_the_edge_are_on_it(tmp_path):
     """By their coordinates' last digit; others name the size with which they are on it."""
     path, surface = tmp_path / "scan.csv", Disc(RADIUS_M)

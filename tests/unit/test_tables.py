@@ -133,12 +133,26 @@ WRONG = {
     "two positions": (f"{HEADER},x_m,y_m\n{ROW},0,0\n", "unknown column 'x_m'; a position is"),
     "text for a number": (f"{HEADER}\n1,5um,1e-6,0,0\n", "line 2: h0_m is '5um'"),
     "text in another unit": ("point_id,h0_um,hv_m\n1,5 nm,1e-6\n", "line 2: h0_um is '5 nm'"),
-    "what begins as a column does": ("gap_um,amp_um\n5,1\n", "'amp_um' (did you mean 'hv_m', zero"),
+    "what begins as a column does": (
+        "gap_um,amp_um\n5,1\n",
+        "'amp_um' (did you mean 'hv_um', zero",
+    ),
     "several unknown columns": (
         "Nr.;Film h0 (µm);Amplitude hv pk-pk (µm);x\n1;5;2;0\n",
-        "unknown column 'Nr.'; unknown column 'Film h0 (µm)' (did you mean 'h0_m'?); unknown "
-        "column 'Amplitude hv pk-pk (µm)' (did you mean 'hv_m', zero to peak?); column 'x' needs "
-        "a unit, one of x_m",
+        "unknown column 'Nr.'; unknown column 'Film h0 (µm)' (did you mean 'h0_um'?); unknown "
+        "column 'Amplitude hv pk-pk (µm)' (did you mean 'hv_um', zero to peak, half of peak to "
+        "peak?); column 'x' needs a unit, one of x_m",
+    ),
+    "unknown names below a title with commas": (
+        "Logger, catman 5.2\nTest: cell, sonotrode 7, 43.27 kHz\n\n"
+        "Time;Gap laser [µm];û / µm (0-pk)\n10:31;5.00;2.00\n",
+        "unknown column 'Time'; unknown column 'Gap laser [µm]' (did you mean 'h0_um'?); unknown "
+        "column 'û / µm (0-pk)' (did you mean 'hv_um', zero to peak?); the table needs h0_m, hv_m",
+    ),
+    "an unknown column and uncertainties": (
+        "h0_um,Hub [µm]\n5 +/- 0.1,1\n",
+        "'Hub [µm]' (did you mean 'hv_um', zero to peak?); cells of 'h0_um' have uncertainties "
+        "behind ±; delete these; the table needs",
     ),
     "infinity": (f"{HEADER}\n1,5e-6,1e-6,0,-inf\n", "line 2: phi_deg is '-inf'"),
     "a name twice": (f"{HEADER}\n{ROW}\n\n{ROW}\n", "line 4: point_id '1' stands in line 2"),

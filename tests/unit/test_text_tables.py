@@ -97,7 +97,7 @@ AMBIGUOUS = {
     ),
     "an uncertainty in a cell": (
         "h0_um,hv_um\n5±0.1,1\n",
-        "its uncertainty into a column",
+        "cells of 'h0_um' have uncertainties behind ±; delete these",
     ),
     "rows that are columns": ("h0_um,5,6,7\nhv_um,1,1,1\n", "line 1: no header names the columns"),
     "no header": ("5e-6,1e-6\n6e-6,1e-6\n", "line 1: no header names the columns: '5e-6,1e-6'"),
@@ -132,7 +132,7 @@ def test_thousands_of_a_scan_are_asked(tmp_path):
 def test_the_unit_tells_which_column_may_be_meant(name, tmp_path):
     path = tmp_path / "measured.csv"
     path.write_text(f"h0 [µm];hv [µm];force [mN];{name}\n5;1;10;1\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"mean 'force_uncertainty_n', the standard one\?"):
+    with pytest.raises(InputError, match=r"mean 'force_uncertainty_mn', the standard one\?"):
         read_measurements(path)
 
 
@@ -141,3 +141,32 @@ def test_a_quote_that_does_not_end_hides_no_row(tmp_path):
     path.write_text('point_id,h0_um,hv_um\n"a,5,1\nb,6,1\n', encoding="utf-8")
     with pytest.raises(InputError, match="line 2: 1 cells where the header has 3"):
         read_scenes(path)
+
+
+def test_a_load_cell_and_cells_with_uncertainties_are_told_at_once(tmp_path):
+    path = tmp_path / "measured.csv"
+    path.write_text(
+        "h0 [µm];hv [µm];Load cell [mN];Std load cell [mN]\n5 ± 0.1;1;10 ± 1;1\n", encoding="utf-8"
+    )
+    with pytest.raises(InputError) as refusal:
+        read_measurements(path)
+    assert "'Load cell [mN]' (did you mean 'force_mn'?)" in str(refusal.value)
+    assert "(did you mean 'force_uncertainty_mn', the standard one?)" in str(refusal.value)
+    assert (
+        "cells of 'h0 [µm]', 'Load cell [mN]' have uncertainties behind ±; write standard ones "
+        "into columns of their own" in str(refusal.value)
+    )
+
+
+def test_scenes_have_inches_as_scans_have(tmp_path):
+    path = tmp_path / "scenes.csv"
+    path.write_text(
+        "Gap (mil),Amplitude 0-pk (µin),x [in],y_inch\n0.2,80,0.05,0.04\n", encoding="utf-8"
+    )
+    row = read_scenes(path).iloc[0]
+    expected = [5.08e-6, 2.032e-6, 1.27e-3, 1.016e-3]
+    assert row[["h0_m", "hv_m", "x_m", "y_m"]].tolist() == pytest.approx(expected)
+    path.write_text(lines("x [in],y [in],amplitude [uin],phase [°]", ","), encoding="utf-8")
+    scan = read_scan(path, frequency_hz=43270.0)
+    assert scan.x_m == pytest.approx(X_MM * 0.0254)
+    assert scan.amplitude_m == pytest.approx(SIGNED_UM * 25.4e-9)

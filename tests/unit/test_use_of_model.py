@@ -237,7 +237,7 @@ def test_a_table_of_points_is_read_as_a_table_of_scenes(write_fit, refused, tmp_
     """A position under a misspelt name was ignored: the force was that at the centre."""
     fit, path = write_fit(get_model("four_factor"), THETA["four_factor"]), tmp_path / "points.csv"
     for table, message in {
-        "h0_um,hv_um,xx_mm\n5,1,2\n": "unknown column 'xx_mm' (did you mean 'x_m'?)",
+        "h0_um,hv_um,xx_mm\n5,1,2\n": "unknown column 'xx_mm' (did you mean 'x_mm'?)",
         "h0_um,hv_um\n5,abc\n": f"{path}: line 2: hv_um is 'abc', not a finite number",
     }.items():
         path.write_text(table, encoding="utf-8")

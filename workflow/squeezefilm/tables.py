@@ -46,13 +46,14 @@ from squeezefilm.text_tables.header import (
     no_header_text,
     rows_of_lines,
 )
-from squeezefilm.text_tables.header_cells import possible_words_and_units
 from squeezefilm.text_tables.scene_header import (
     COLUMN_OF_WORDS,
-    SIZE_OF_UNIT,
+    DEVIATION_WORDS,
     UNIT_SIZES_OF_BASE_UNIT,
     SceneVocabulary,
     column_and_unit,
+    is_peak_to_peak,
+    words_and_unit,
 )
 
 FACTOR_COLUMNS = ("h0_m", "hv_m", *POLAR_COLUMNS)
@@ -236,9 +237,8 @@ def _read_table(
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
             called = table.attrs.get(name, name)
             problem = f"{called} is {cells[row]!r}, not a finite number"
-            own = "; write its uncertainty into a column of its own" * ("±" in str(cells[row]))
             why = "" if statuses is None else f"; its status is {statuses.iloc[row]!r}"
-            problems.append((row, problem + own + why))
+            problems.append((row, problem + why))
         for row in np.flatnonzero(
             (values <= 0) & (name in MEASUREMENT_UNCERTAINTY_COLUMNS)
         ).tolist():
@@ -279,15 +279,17 @@ def _read_rows(
 
     Columns that a header names in words or with another unit are brought to their own; others stay.
     """
+    uncertain: list[str] = []
     if path.suffix == PARQUET_SUFFIX:
         table, lines = _read_parquet_rows(path, chunk=chunk)
     else:
-        table, lines = _read_csv_rows(path, columns=columns, required=required)
+        table, lines, uncertain = _read_csv_rows(path, columns=columns, required=required)
     header = list(map(str, table))
     with prefix_errors(path):
         asked = columns_in_table_form(columns, header)
         optional = [*optional, *columns_in_table_form(optional, header)]
-        _check_header(header, asked, optional, others=others, required=required)
+        problems = _uncertain_cells_problem(uncertain, columns)
+        _check_header(header, asked, optional, others=others, required=required, problems=problems)
     if not lines:
         raise InputError(f"{path}: the table has a header and no rows")
     return table, lines
@@ -295,7 +297,8 @@ def _read_rows(
 
 def _read_csv_rows(
     path: Path, *, columns: Iterable[str], required: str
-) -> tuple[pd.DataFrame, list[int]]:
+) -> tuple[pd.DataFrame, list[int], list[str]]:
+    """Rows as text, the line of each, and the columns whose cells have uncertainties."""
     from squeezefilm.text_tables.text_file import read_table_lines  # as long as a small film
 
     vocabulary = SceneVocabulary(_asked_columns(columns))
@@ -323,9 +326,26 @@ def _read_csv_rows(
     rows = [] if problems else rows  # then a message on the columns comes first
     numbers = [line for line, _ in rows]
     table = pd.DataFrame([cells for _, cells in rows], numbers, names[:width], dtype="str")
+    uncertain = (
+        [
+            str(name)
+            for name, cells in table.items()
+            if name not in TEXT_COLUMNS and cells.str.contains(r"\d±").any()
+        ]
+        if any("±" in line or "+/-" in line for line in lines)
+        else []
+    )
     with prefix_errors(path):
         table = _columns_in_si(table, vocabulary, header.separator)
-    return table.reset_index(drop=True), numbers
+    return table.reset_index(drop=True), numbers, uncertain
+
+
+def _uncertain_cells_problem(names: Sequence[str], columns: Sequence[str]) -> list[str]:
+    """The problem of columns whose cells have uncertainties, if there are any."""
+    may_have = {*columns} & {*MEASUREMENT_UNCERTAINTY_COLUMNS}
+    remedy = "write standard ones into columns of their own" if may_have else "delete these"
+    named = ", ".join(map(repr, names))
+    return [f"cells of {named} have uncertainties behind ±; {remedy}"] * bool(names)
 
 
 def _columns_in_si(
@@ -447,10 +467,14 @@ def _check_header(
     *,
     others: OtherColumnsPolicy,
     required: str,
+    problems: Sequence[str] = (),
 ) -> None:
     """Reject a header with a column that is not known, then one that lacks a column.
 
     Unknown columns that would be ignored are named where another is missing: they may be that one.
+
+    Args:
+        problems: of the rows, to be told in the same message.
     """
     for name in columns:
         if header.count(name) > 1:
@@ -474,27 +498,33 @@ def _check_header(
     elif others != "invalid":
         # What names a factor without its unit would be taken for a factor that is not given.
         beside = [name for name in beside if column_and_unit(name)[0] in factors]
-    problems = []
+    told, suggested = [], set[str]()
     for name in beside:
         own, *_ = column_and_unit(name)
         if own in {*columns, *position}:
             stem, _, base = own.rpartition("_")
             units = ", ".join(f"{stem}_{unit}" for unit in UNIT_SIZES_OF_BASE_UNIT[base])
-            problems.append(f"column {name!r} needs a unit, one of {units}")
+            told.append(f"column {name!r} needs a unit, one of {units}")
         else:
-            near = _nearest_column(name, factors)
-            problems.append(f"unknown column {name!r}" + f" (did you mean {near}?)" * bool(near))
-    if problems:
-        named = "; ".join(problems[:MAX_ROWS_IN_MESSAGE])
-        raise InputError(f"{named}; the table needs {required}")
+            likely = _likely_column(name, factors, missing={*missing} - suggested)
+            suggested.add(likely)
+            told.append(f"unknown column {name!r}" + _suggestion_text(name, likely) * bool(likely))
+    if told or problems:
+        named = "; ".join([*told[:MAX_ROWS_IN_MESSAGE], *problems])
+        raise InputError(
+            f"{named}; the table needs {required}" + "; delete other columns" * bool(told)
+        )
     for name in missing:
         form = f" ({POSITION_FORMS_TEXT})" if name in position else ""
         missed = f"column {name!r} is missing; it has {', '.join(header)}{form}"
         raise InputError(f"{missed}; the table needs {required}")
 
 
-def _nearest_column(name: str, columns: Collection[str]) -> str:
-    """The column that a word of a header's cell names, begins or is close to; "" if none."""
+def _likely_column(name: str, columns: Collection[str], *, missing: Collection[str]) -> str:
+    """The column that a word of a header's cell names, begins or is close to; "" if none.
+
+    Where words do not tell, that of the unit, a ``missing`` one first.
+    """
     import difflib  # only needed here
 
     first, *others = re.split(r"[^a-z0-9]+", name.lower())
@@ -502,13 +532,29 @@ def _nearest_column(name: str, columns: Collection[str]) -> str:
     named = [each for each in words if each in (first, *others)]
     begun = [each for each in words if len(first) > 2 and each.startswith(first)]
     close = named or begun or difflib.get_close_matches(first, words, n=1)
-    _, unit = next(possible_words_and_units(name, SIZE_OF_UNIT))
+    if close:
+        return COLUMN_OF_WORDS[close[0]]
+    own_words, unit = words_and_unit(name)
     of_unit = [
         each for each in columns if unit in UNIT_SIZES_OF_BASE_UNIT.get(each.rpartition("_")[2], {})
     ]
-    own = COLUMN_OF_WORDS[close[0]] if close else of_unit[0] if len(of_unit) == 1 else ""
-    kind = ", zero to peak" if own == "hv_m" else ", the standard one" * ("uncertainty" in own)
-    return own and repr(own) + kind
+    is_deviation = bool({*own_words} & DEVIATION_WORDS)
+    likely = [
+        each for each in of_unit if each in missing and ("uncertainty" in each) == is_deviation
+    ]
+    of_unit = of_unit if len(of_unit) == 1 else likely
+    return of_unit[0] if len(of_unit) == 1 else ""
+
+
+def _suggestion_text(name: str, column: str) -> str:
+    """The question whether a header's cell is a column, in the unit that it has."""
+    words, unit = words_and_unit(name)
+    stem, _, base = column.rpartition("_")
+    called = f"{stem}_{unit}" if unit in UNIT_SIZES_OF_BASE_UNIT.get(base, {}) else column
+    kind = ", the standard one" * ("uncertainty" in column)
+    if column == "hv_m":
+        kind = ", zero to peak" + ", half of peak to peak" * is_peak_to_peak(words)
+    return f" (did you mean {called!r}{kind}?)"
 
 
 def read_columns(

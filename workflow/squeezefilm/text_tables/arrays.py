@@ -1,5 +1,6 @@
 """Arrays as the lines of a table: named ones of MATLAB and NumPy, a matrix over a rectangle."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -8,9 +9,12 @@ from typing import Any
 import numpy as np
 
 from squeezefilm.errors import InputError
+from squeezefilm.text_tables.cells import number_of_cell
 
 ARRAY_SUFFIXES = (".mat", ".npy", ".npz")
 MIN_MATRIX_COLUMNS = 8
+# Largest difference of an axis' steps from their mean, over it, and the fewest that tell an axis.
+MAX_AXIS_IRREGULARITY, MIN_AXIS_STEPS = 0.05, 3
 MATRIX_LINE_PATTERN = re.compile(r"[#%!\s]*(width|height|value units)\s*:\s*(.*?)\s*$", re.I)
 LENGTH_PATTERN = re.compile(r"(\d+(?:[.,]\d*)?(?:e[-+]?\d+)?)\s*(\S+)", re.I)
 ARRAYS_FORMAT_TEXT = (
@@ -41,6 +45,9 @@ def matrix_as_table_lines(lines: Sequence[str]) -> tuple[list[str], list[str]]:
     """A matrix below lines that say its size, as Gwyddion writes it, as a table, and a note.
 
     The lines themselves, and no note, of another file.
+
+    Raises:
+        InputError: for a matrix whose first column or row is an axis.
     """
     stated = {
         match[1].lower(): match[2] for match in map(MATRIX_LINE_PATTERN.match, lines) if match
@@ -54,6 +61,8 @@ def matrix_as_table_lines(lines: Sequence[str]) -> tuple[list[str], list[str]]:
     is_matrix = len(rows) == len(body) and len(counts) == 1 and min(counts) >= MIN_MATRIX_COLUMNS
     if not is_matrix:
         return list(lines), []
+    values = [[number_of_cell(cell.replace(",", ".")) for cell in row] for row in rows]
+    _reject_axis(np.array(values))
     (width, x_unit), (height, y_unit) = (
         (float(size[1].replace(",", ".")), size[2]) for size in sizes if size
     )
@@ -69,6 +78,29 @@ def matrix_as_table_lines(lines: Sequence[str]) -> tuple[list[str], list[str]]:
         "corner, its first row at the largest y"
     )
     return table, [note]
+
+
+def _reject_axis(matrix: np.ndarray) -> None:
+    """Reject a matrix whose first column or row has even steps, which the next one has not."""
+    for name, first, second in (
+        ("column", matrix[:, 0], matrix[:, 1]),
+        ("row", matrix[0], matrix[1] if len(matrix) > 1 else matrix[0]),
+    ):
+        axis, beside = first[1:], second[1:]  # a corner may have anything
+        if _step_irregularity(axis) < MAX_AXIS_IRREGULARITY < _step_irregularity(beside) / 4:
+            raise InputError(
+                f"the first {name} of the matrix, {axis[0]:g}, {axis[1]:g}, …, has even steps, as "
+                "an axis or numbers have; delete axes, so that amplitudes are left"
+            )
+
+
+def _step_irregularity(values: np.ndarray) -> float:
+    """The largest difference of a step between values from the mean one, over this one."""
+    steps = np.diff(values)
+    steps = steps[np.isfinite(steps)]
+    if len(steps) < MIN_AXIS_STEPS or not steps.mean():
+        return math.inf
+    return float(np.max(np.abs(steps / steps.mean() - 1)))
 
 
 def _arrays_by_name(path: Path) -> Mapping[str, Any]:

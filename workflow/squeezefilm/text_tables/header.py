@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import re
 from bisect import bisect
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
@@ -101,6 +101,20 @@ class Header:
     is_known: bool
 
 
+@dataclass(frozen=True)
+class _Candidate:
+    """A line that may be the header: its cells, and how many a row below has.
+
+    ``rank`` is whether that row has numbers alone and as many cells, and the quantities named.
+    """
+
+    rank: tuple[bool, bool, int]
+    line: int
+    cells: list[str]
+    separator: str
+    row_cells: int
+
+
 def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form: str) -> Header:
     """The header of a table, which may be a comment.
 
@@ -120,81 +134,105 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
     are_numbers = (sum(map(is_number, re.split(r"[\s;,]+", lines[index]))) > 1 for index in plain)
     first_row = next((at for at, row in enumerate(are_numbers) if row), 0)
     comments = [index for index in filled if index < plain[first_row] and index not in plain]
-    candidates: dict[tuple[bool, bool, int], tuple[int, list[str], str, int]] = {}
-    for at, index in (
-        *enumerate(plain[:MAX_LINES_ABOVE_HEADER], start=1),
-        *((bisect(plain, index), index) for index in comments[-MAX_LINES_ABOVE_HEADER:]),
-    ):
-        line = COMMENT_PATTERN.sub("", lines[index], count=1)
-        rows = [lines[row] for row in plain[at : at + MAX_TITLE_LINES]]
-        below = next(
-            (
-                row
-                for kind in (NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN)
-                for row in rows
-                if kind.match(row.strip())
-            ),
-            "",
+    candidates = [
+        candidate
+        for index in (*plain[:MAX_LINES_ABOVE_HEADER], *comments[-MAX_LINES_ABOVE_HEADER:])
+        for candidate in _candidates_of_line(
+            lines, index, plain[bisect(plain, index) :], vocabulary
         )
-        for separator in SEPARATORS:
-            between = separator.replace(WIDE_BLANK_SEPARATOR, BLANK_SEPARATOR)
-            cells = split_cells(line, separator)
-            if separator == BLANK_SEPARATOR and '"' not in line:
-                cells = BETWEEN_NAMES_PATTERN.split(line.strip())
-            if 2 * sum(map(is_number, cells)) > len(cells):
-                continue
-            known = vocabulary.quantities(cells)
-            if not known:
-                continue
-            row = split_cells(below, between)
-            if between == BLANK_SEPARATOR and len(row) == 1:
-                continue
-            if (
-                between == BLANK_SEPARATOR
-                and len(cells) != len(row)
-                and any(
-                    1 < len(split_cells(line, sign)) == len(split_cells(below, sign))
-                    for sign in SEPARATORS[:3]
-                )
-            ):  # its names have blanks
-                continue
-            if (
-                len(row) == len(cells) + 1
-                and vocabulary.column(cells[0])
-                and _rows_have_names(
-                    [lines[row] for row in plain[at:]],
-                    between,
-                    are_in_plane=any({*plane} <= {*known} for plane in vocabulary.planes),
-                )
-            ):
-                cells = [ROW_NAMES, *cells]
-            alike = len(cells) == len(row)
-            values = [without_uncertainty(cell) for cell in row if cell]
-            numbers = len(values) > 1 and all(map(is_number, values))
-            if len(known) >= MIN_HEADER_QUANTITIES - (alike and numbers and index in plain):
-                key = (numbers, alike, len(known))
-                candidates.setdefault(key, (index, cells, between, len(row)))
+    ]
     if not candidates:
-        above = max(first_row - 1, 0)
-        at = above if re.match(r"\s*[^\W\d]", lines[plain[above]]) else 0
-        line = lines[plain[at]]
-        separator = max(SEPARATORS[:3], key=line.count)
-        separator = separator if separator in line else BLANK_SEPARATOR
-        return Header(split_cells(line, separator), separator, plain[at], plain[at] + 1, False)
-    index, cells, between, count = candidates[max(candidates)]
-    if between == BLANK_SEPARATOR and count != len(cells):
+        return _header_of_unknown_names(lines, plain, first_row)
+    best = max(candidates, key=lambda each: each.rank)
+    if best.separator == BLANK_SEPARATOR and len(best.cells) != best.row_cells:
         remedy = (
             "name every column, the first, too, if it has the rows' names"
-            if count > len(cells)
+            if best.row_cells > len(best.cells)
             else "put two blanks between the names, and one within them"
         )
         raise InputError(
-            f"line {index + 1}: the header has {len(cells)} names between blanks, and the rows "
-            f"below {count} cells; {remedy}"
+            f"line {best.line + 1}: the header has {len(best.cells)} names between blanks, and the "
+            f"rows below {best.row_cells} cells; {remedy}"
         )
-    with prefix_errors(f"line {index + 1}"):
-        names, first_row = _names_with_units(cells, lines, index, between, vocabulary)
-    return Header(names, between, index, first_row, True)
+    with prefix_errors(f"line {best.line + 1}"):
+        names, first = _names_with_units(best.cells, lines, best.line, best.separator, vocabulary)
+    return Header(names, best.separator, best.line, first, True)
+
+
+def _candidates_of_line(
+    lines: Sequence[str], index: int, rows: Sequence[int], vocabulary: Vocabulary
+) -> Iterator[_Candidate]:
+    """A line's names by each separator that fits the rows below, whose indices are ``rows``."""
+    line = COMMENT_PATTERN.sub("", lines[index], count=1)
+    is_plain = line == lines[index]
+    below = _first_row_of([lines[row] for row in rows[:MAX_TITLE_LINES]])
+    for separator in SEPARATORS:
+        between = separator.replace(WIDE_BLANK_SEPARATOR, BLANK_SEPARATOR)
+        cells = split_cells(line, separator)
+        if separator == BLANK_SEPARATOR and '"' not in line:
+            cells = BETWEEN_NAMES_PATTERN.split(line.strip())
+        if 2 * sum(map(is_number, cells)) > len(cells):
+            continue
+        known = vocabulary.quantities(cells)
+        row = split_cells(below, between) if known else []
+        if not known or (between == BLANK_SEPARATOR and _are_blanks_in_names(line, below, cells)):
+            continue
+        if (
+            len(row) == len(cells) + 1
+            and vocabulary.column(cells[0])
+            and _rows_have_names(
+                [lines[row] for row in rows],
+                between,
+                are_in_plane=any({*plane} <= {*known} for plane in vocabulary.planes),
+            )
+        ):
+            cells = [ROW_NAMES, *cells]
+        values = [without_uncertainty(cell) for cell in row if cell]
+        numbers = len(values) > 1 and all(map(is_number, values))
+        alike = len(cells) == len(row)
+        if len(known) >= MIN_HEADER_QUANTITIES - (alike and numbers and is_plain):
+            yield _Candidate((numbers, alike, len(known)), index, cells, between, len(row))
+
+
+def _first_row_of(rows: Sequence[str]) -> str:
+    """The first row of numbers, else the first that begins with a word; "" if there is none."""
+    return next(
+        (
+            row
+            for kind in (NUMBER_ROW_PATTERN, NAMED_ROW_PATTERN)
+            for row in rows
+            if kind.match(row.strip())
+        ),
+        "",
+    )
+
+
+def _are_blanks_in_names(line: str, below: str, cells: Sequence[str]) -> bool:
+    """Tell whether blanks do not separate cells: a row has one, or as many by another sign."""
+    row = split_cells(below, BLANK_SEPARATOR)
+    return len(row) == 1 or (
+        len(cells) != len(row)
+        and any(
+            1 < len(split_cells(line, sign)) == len(split_cells(below, sign))
+            for sign in SEPARATORS[:3]
+        )
+    )
+
+
+def _header_of_unknown_names(lines: Sequence[str], plain: Sequence[int], first_row: int) -> Header:
+    """The line of as many words as the rows below have cells, else that above the first numbers."""
+    for at, index in enumerate(plain[:MAX_LINES_ABOVE_HEADER], start=1):
+        for separator in SEPARATORS[:3]:
+            names = split_cells(lines[index], separator)
+            rows = [split_cells(lines[row], separator) for row in plain[at : at + MAX_TITLE_LINES]]
+            are_rows = all(len(row) == len(names) and any(map(is_number, row)) for row in rows)
+            if rows and are_rows and len(names) > 1 and not any(map(is_number, names)):
+                return Header(names, separator, index, index + 1, False)
+    above = plain[max(first_row - 1, 0)]
+    index = above if re.match(r"\s*[^\W\d]", lines[above]) else plain[0]
+    separator = max(SEPARATORS[:3], key=lines[index].count)
+    separator = separator if separator in lines[index] else BLANK_SEPARATOR
+    return Header(split_cells(lines[index], separator), separator, index, index + 1, False)
 
 
 def no_header_text(header: Header, lines: Sequence[str], *, form: str) -> str:

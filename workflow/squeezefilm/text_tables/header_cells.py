@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from squeezefilm.files import read_text
+from squeezefilm.units import unit_sizes
 
 UNIT_OF_NAME = {
     name: unit
@@ -21,7 +22,8 @@ UNIT_OF_NAME = {
         "m": "meter meters metre metres 米 м",
         "mm": "millimeter millimeters millimetre millimetres 毫米 мм",
         "in": "inch inches",
-        "mil": "mils",
+        "mil": "mils thou",
+        "uin": "\u03bcin microinch microinches",
         "in/s": "ips",
         "um": "\u03bcm micron microns micrometer micrometers micrometre micrometres 微米 мкм",
         "nm": "nanometer nanometers nanometre nanometres 纳米 нм",
@@ -42,6 +44,12 @@ def fold_accents(text: str) -> str:
     """A text in small letters without accents, quotes and blanks around it."""
     letters = unicodedata.normalize("NFKD", text.strip("\"' \t").casefold())
     return "".join(each for each in letters if not unicodedata.combining(each))
+
+
+def sizes_of_normalised_units(unit: str) -> dict[str, float]:
+    """The units that measure what a unit does, as ``normalised_unit`` has them, and their sizes."""
+    inches = {"in": 0.0254, "mil": 25.4e-6, "uin": 25.4e-9} if unit == "m" else {}
+    return {fold_accents(name): size for name, size in unit_sizes(unit).items()} | inches
 
 
 def normalised_unit(text: str) -> str:

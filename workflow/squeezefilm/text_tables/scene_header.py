@@ -5,27 +5,41 @@ A column's words stand in scene_words.csv. Beside them a cell may have a word of
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Sequence
 
 from squeezefilm.text_tables.header import Column, Vocabulary
 from squeezefilm.text_tables.header_cells import (
-    fold_accents,
     normalised_unit,
     possible_words_and_units,
+    sizes_of_normalised_units,
     words_of_file,
 )
-from squeezefilm.units import unit_sizes
 
 _WORDS_OF_COLUMN = words_of_file("scene_words.csv")
 UNCERTAINTY_WORDS = {*_WORDS_OF_COLUMN.pop("uncertainty")}
+DEVIATION_WORDS = UNCERTAINTY_WORDS | {*_WORDS_OF_COLUMN.pop("deviation")}
+"""What may be called an uncertainty, standard or not."""
 COLUMN_OF_WORDS = {words: name for name, several in _WORDS_OF_COLUMN.items() for words in several}
 UNIT_SIZES_OF_BASE_UNIT = {
-    unit.lower(): {fold_accents(name): size for name, size in unit_sizes(unit).items()}
-    for unit in ("m", "deg", "N")
+    unit.lower(): sizes_of_normalised_units(unit) for unit in ("m", "deg", "N")
 }
 SIZE_OF_UNIT = {
     name: size for units in UNIT_SIZES_OF_BASE_UNIT.values() for name, size in units.items()
 }
+
+
+def words_and_unit(cell: str) -> tuple[list[str], str]:
+    """The words of a header's cell, and the unit in it, also within: ``û / µm (0-pk)``."""
+    words, unit = next(possible_words_and_units(cell, SIZE_OF_UNIT))
+    behind_first = map(normalised_unit, re.split(r"[\s/,()\[\]]+", cell)[:0:-1])
+    return words, unit or next((each for each in behind_first if each in SIZE_OF_UNIT), "")
+
+
+def is_peak_to_peak(words: Sequence[str]) -> bool:
+    """Tell whether words name an extent, twice an amplitude."""
+    text = f" {' '.join(words)} "
+    return any(f" {each} " in text for each in words_of_file("scan_words.csv")["span"])
 
 
 def column_and_unit(cell: str) -> tuple[str, str, float | None]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -27,12 +28,12 @@ from squeezefilm.text_tables.header_cells import (
     fold_accents,
     normalised_unit,
     possible_words_and_units,
+    sizes_of_normalised_units,
     words_of_file,
 )
 from squeezefilm.units import unit_sizes
 
-LENGTH_UNITS_M = {fold_accents(name): size for name, size in unit_sizes("m").items()}
-LENGTH_UNITS_M |= {"in": 0.0254, "mil": 25.4e-6}
+LENGTH_UNITS_M = sizes_of_normalised_units("m")
 # Units of motions, and by which power of the angular frequency they are larger than a displacement.
 OMEGA_POWER_OF_SUFFIX = {"": 0, "/s": 1, "/s²": 2}
 MOTION_UNITS = {
@@ -315,11 +316,26 @@ def select_columns(
         names = {re.sub(r"\d+", "", each.name.lower()) for each in (first, column)}
         mean = ", or write one column with their mean" * (len(names) == 1)
         if first is not column and (column.size or not first.size):
+            _reject_data_sets_side_by_side(named)
             raise InputError(
                 f"the column {column.quantity!r} stands twice: {first.name!r} and "
                 f"{column.name!r}; leave one of them out{mean}"
             )
     return dict(sorted(columns.items(), key=lambda each: each[1].column_index)), notes
+
+
+def _reject_data_sets_side_by_side(named: Sequence[ScanColumn]) -> None:
+    """Reject places that stand repeatedly, each with another quantity, as digitisers write them."""
+    counts = Counter(column.quantity for column in named)
+    repeated = [quantity for quantity, count in counts.items() if count > 1]
+    if len(repeated) > 1 and {*repeated} & {*COORDINATE_UNITS}:
+        names = [repr(each.name) for each in named if each.quantity in repeated]
+        is_curve = not {*counts} & {*AMPLITUDE_UNITS}
+        kept = "x_mm, amplitude_um" if is_curve else "x_mm, y_mm, amplitude_um"
+        raise InputError(
+            f"several data sets side by side: {list_text(names)}; keep the columns of one, with a "
+            f"quantity and a unit in each name, such as {kept}"
+        )
 
 
 def _is_signed_component(column: ScanColumn) -> bool:

@@ -36,7 +36,7 @@ from squeezefilm.film.measured.scan import (
     turned_to_main_phase,
 )
 from squeezefilm.film.profiles import ModeSum, ScanFile, largest_magnitude
-from squeezefilm.film.surfaces import ModeOrders, Surface
+from squeezefilm.film.surfaces import Disc, ModeOrders, Surface
 
 # An axisymmetric profile is doubted where angles leave less than this share of what it leaves, and
 # the points that this is looked at with.
@@ -58,6 +58,8 @@ MAX_OUTLIER_POINT_FRACTION = 0.05
 MAX_OUTLIER_REFITS = 20
 # A maximum so far above the largest at the measured points is extrapolated.
 MAX_OVERSHOOT_RATIO = 1.05
+# Points nearer to the centre, over the distance of the farthest, have no direction.
+MIN_DIRECTION_RADIUS_FRACTION = 0.05
 # Draws of noise by which the bias of the maximum is estimated.
 PEAK_BIAS_DRAW_COUNT, PEAK_BIAS_SEED = 200, 1
 # A place may be the largest if it is lower by no more than this many standard errors.
@@ -219,6 +221,7 @@ def smooth_scan(scan: Scan, settings: ScanFile, surface: Surface) -> SmoothedSca
     peak_m -= bias_m
     if points.coordinate and not scan.is_radial:
         scan = replace(scan, notes=(*scan.notes, *other_variation_note(points, measured.real, fit)))
+    scan = replace(scan, notes=(*scan.notes, *few_directions_note(fitted, fit)))
     result = SmoothedScan(
         scan=scan,
         profile=replace(scaled_profile_of_fit(fit, peak_m), largest_magnitude=largest_m / peak_m),
@@ -234,6 +237,22 @@ def smooth_scan(scan: Scan, settings: ScanFile, surface: Surface) -> SmoothedSca
     )
     _reject_undetermined_profile(result, coordinate=points.coordinate)
     return result
+
+
+def few_directions_note(points: ScanPoints, fit: ModeFit) -> list[str]:
+    """A note where the points' directions from a disc's centre are what limits the degree.
+
+    A mode of n nodal diameters needs more than 2 n directions.
+    """
+    if points.coordinate or not isinstance(points.surface, Disc):
+        return []
+    position = points.x_m + 1j * points.y_m
+    outside = position[np.abs(position) > MIN_DIRECTION_RADIUS_FRACTION * np.abs(position).max()]
+    directions = len(np.unique(np.round(np.degrees(np.angle(outside))) % 360))
+    return [
+        f"{directions} directions are too few for modes above degree {fit.degree}; scan more, or "
+        "say actuator.profile.axisymmetric: true if the shape is so"
+    ] * bool(np.any(fit.undetermined_coefficients_m) and directions <= 2 * (fit.degree + 1))
 
 
 def other_variation_note(points: ScanPoints, measured: np.ndarray, fit: ModeFit) -> list[str]:

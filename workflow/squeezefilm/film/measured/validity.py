@@ -12,7 +12,7 @@ from squeezefilm.lazy import pd
 from squeezefilm.text_tables.cells import parse_numbers
 from squeezefilm.text_tables.header_cells import fold_accents
 
-# A column of so few whole numbers may be one of codes.
+# A column of so few whole numbers may be one of codes, and of so few words a status.
 MAX_STATUS_CODES = 8
 
 
@@ -26,7 +26,11 @@ def valid_rows(
     """
     read, notes = [], []
     for column in others:
-        if column.quantity not in ROW_STATUS_QUANTITIES:
+        is_status = column.quantity in ROW_STATUS_QUANTITIES
+        if not column.quantity:
+            is_status, unused = _is_status_by_words(cells[column.column_index], column.name)
+            notes += unused
+        if not is_status:
             continue
         values = cells[column.column_index].map(fold_accents)
         numbers = parse_numbers(values)
@@ -67,3 +71,18 @@ def valid_rows(
             )
         cells = cells[~wrong]
     return cells, read, notes
+
+
+def _is_status_by_words(cells: pd.Series, name: str) -> tuple[bool, list[str]]:
+    """Tell whether cells are words of a status, some bad, and a note where only some words are."""
+    words = cells.drop_duplicates()
+    if len(words) > MAX_STATUS_CODES:
+        return False, []
+    folded = words.map(fold_accents)
+    is_bad = folded.isin({*WORDS_OF_MEANING["bad"]} - {"--"})
+    are_all = bool((is_bad | folded.isin([*WORDS_OF_MEANING["good"], "--", ""])).all())
+    note = (
+        f"column {name!r} is not used, and has {list_text(words[is_bad].tolist())}; if these rows "
+        "are invalid, call it status and write valid or invalid"
+    )
+    return bool(is_bad.any()) and are_all, [note] * bool(is_bad.any() and not are_all)
