@@ -33,11 +33,7 @@ import numpy as np
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields, apply_matrix_along_axis, dot, fold_even_columns
 from squeezefilm.quantities.sheared_gas import wall_speed, wall_velocity
-from squeezefilm.quantities.states import (
-    ChangesOnGrids,
-    force_changes_and_errors,
-    solve_perturbed_states,
-)
+from squeezefilm.quantities.states import force_changes_and_errors, solve_perturbed_states
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.spectral import Axis, FluxPoints
 from squeezefilm.reynolds.terms.rarefaction import (
@@ -81,14 +77,12 @@ def edge_effect_changes(
     *,
     laws: Sequence[tuple[float, float, float]],
     device: Device,
-    known: ChangesOnGrids | None = None,
 ) -> np.ndarray:
     """Return the relative changes of the forces by the pressure on the edge, and their errors.
 
     Args:
         solutions: of the scenes, with their states on two grids.
         laws: as SEPARATE_LAWS.
-        known: as of ``force_changes_and_errors``, by these laws.
 
     Returns:
         Changes and errors by each law, shape (2, laws, scenes); NaN where a solution has no states,
@@ -100,7 +94,6 @@ def edge_effect_changes(
         partial(_edge_effect_changes_on_grid, laws=laws, device=device),
         changes=len(laws),
         tolerance=STATE_FORCE_TOLERANCE,
-        known=known,
     )
     changes[1] += EFFECT_CHANGE_TOLERANCE * np.abs(changes[0])
     return changes

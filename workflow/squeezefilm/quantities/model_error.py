@@ -10,7 +10,7 @@ solved for is unknown, and so is the total then.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from itertools import chain
@@ -24,7 +24,6 @@ from squeezefilm.film.scene import Film, Scene, Scenes
 from squeezefilm.film.validity import THICK_FILM_SIGMA, exceeded_limits_by_scene
 from squeezefilm.quantities import edge_effects, moving_profile, sheared_gas
 from squeezefilm.quantities.edge_effects import JOINT_LAWS, SEPARATE_LAWS
-from squeezefilm.quantities.states import ChangesOnGrids
 from squeezefilm.reynolds.device import Device, choose_device
 from squeezefilm.reynolds.periodic.like_films import FilmOnGrids, films_on_grids_of
 from squeezefilm.reynolds.plan import solve_plan_of
@@ -73,9 +72,6 @@ class Effect(NamedTuple):
 UNKNOWN_EFFECT, NO_EFFECT = Effect(nan), Effect(0.0, 0.0)
 # Relative changes of forces by effects beside their states, and the errors, (2, changes).
 ForceChanges = dict[str, dict[Scene, np.ndarray]]
-# Those by the pressure on the edge on each grid, by its laws.
-Laws = tuple[tuple[float, float, float], ...]
-KnownChanges = dict[Laws, ChangesOnGrids]
 
 
 @dataclass(frozen=True)
@@ -234,13 +230,12 @@ def _error_budgets_of_variants(
 ) -> list[ErrorBudget]:
     budgets = [ErrorBudget(status="no vibration, no force") for _ in films]
     waiting = [k for k, film in enumerate(films) if film.has_force]
-    known: KnownChanges = {SEPARATE_LAWS: {}, JOINT_LAWS: {}}
     for grid_count in range(2, 1 + MAX_GRID_COUNT):
         if not waiting:
             break
         moving = [films[k] for k in waiting]
         variants = _solve_variants(moving, grid_count=grid_count, device=device)
-        changes = _changes_beside_states(moving, variants, known=known, device=device)
+        changes = _changes_beside_states(moving, variants, device=device)
         resolved = []
         for k, of_film, changes_of_film in zip(waiting, variants, changes, strict=True):
             budgets[k] = _error_budget_of_variants(films[k], of_film, changes_of_film)
@@ -280,7 +275,6 @@ def _changes_beside_states(
     films: Sequence[EffectVariants],
     variants: Sequence[Mapping[Scene, FilmOnGrids]],
     *,
-    known: KnownChanges,
     device: Device,
 ) -> list[ForceChanges]:
     """Return the changes of each film's forces by effects that the solver has no terms for."""
@@ -289,13 +283,10 @@ def _changes_beside_states(
     sliding = [(k, scene) for k, scene in together if scene.bearing_number]
     still = [(k, film.still.together) for k, film in enumerate(films) if film.still]
     changes: list[ForceChanges] = [{} for _ in films]
-
-    def edge_changes(laws: Laws) -> Callable[..., np.ndarray]:
-        return partial(edge_effects.edge_effect_changes, laws=laws, known=known[laws])
-
+    edge_changes = edge_effects.edge_effect_changes
     for name, force_changes, of_films in (
-        ("separate_edge_effects", edge_changes(SEPARATE_LAWS), alone),
-        ("joint_edge_effects", edge_changes(JOINT_LAWS), together),
+        ("separate_edge_effects", partial(edge_changes, laws=SEPARATE_LAWS), alone),
+        ("joint_edge_effects", partial(edge_changes, laws=JOINT_LAWS), together),
         ("ram_pressure", edge_effects.ram_pressure_changes, sliding),
         ("sheared_gas", sheared_gas.sheared_gas_force_changes, [*dict.fromkeys(sliding + still)]),
         ("moving_profile", moving_profile.moving_profile_changes, sliding),

@@ -11,8 +11,7 @@ from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.quantities.fields import Fields
 from squeezefilm.reynolds.device import Device
 from squeezefilm.reynolds.error_estimate import DEFAULT_CONVERGENCE_RATIO, error_per_change
-from squeezefilm.reynolds.grid import Grid
-from squeezefilm.reynolds.periodic.launch import PeriodicStates, solve_batch
+from squeezefilm.reynolds.periodic.launch import solve_batch
 from squeezefilm.reynolds.periodic.resolution import min_convergence_ratio, profile_error_ratio
 from squeezefilm.reynolds.plan import solve_plan_of
 from squeezefilm.reynolds.solver import solve
@@ -25,8 +24,6 @@ from squeezefilm.solution import Solution, Solutions
 VELOCITY_ERROR_FACTOR = 2.0
 # Below this, iterations would end in rounding.
 MIN_FORCE_TOLERANCE = 1e-8
-# Relative changes of a scene's force on a grid.
-ChangesOnGrids = dict[tuple[Scene, Grid], np.ndarray]
 # Numbers of the finer states of films that are solved together; more would fall out of the caches.
 STATE_VALUES_PER_BATCH = 2**19
 
@@ -66,7 +63,6 @@ def force_changes_and_errors(
     *,
     changes: int,
     tolerance: float,
-    known: ChangesOnGrids | None = None,
 ) -> np.ndarray:
     """Return relative changes of forces by states beside the scenes' own, and their errors.
 
@@ -74,40 +70,21 @@ def force_changes_and_errors(
         solutions: of the scenes, with their states on two grids.
         on_grid: the changes by the states of like scenes on one grid, (changes, scenes).
         tolerance: of the iterations of the states.
-        known: changes that are taken from here where they are, and kept here: the finer grid is
-            often the coarser one of the next call.
 
     Returns:
         Changes and errors, (2, changes, scenes); NaN where a solution has no states.
     """
     scenes, solutions = Scenes.of(scenes), Solutions.of(solutions)
     changes_and_errors = np.full((2, changes, len(scenes)), np.nan)
-    known = {} if known is None else known
     for rows in row_groups_on_equal_grids(scenes, solutions):
         group, solved = scenes[rows], solutions[rows]
         coarse, fine = (
-            _changes_on_grid(group, states, on_grid, known)
+            on_grid(Fields.of(group, states[0].grid, np.stack([each.unknowns for each in states])))
             for states in zip(*solved.states, strict=True)
         )
         factor, _ = error_per_grid_change(group, solved, tolerance=tolerance)
         changes_and_errors[:, :, rows] = fine, factor * np.abs(fine - coarse) + 2 * tolerance
     return changes_and_errors
-
-
-def _changes_on_grid(
-    scenes: Scenes,
-    states: Sequence[PeriodicStates],
-    on_grid: Callable[[Fields], np.ndarray],
-    known: ChangesOnGrids,
-) -> np.ndarray:
-    """Return the changes of scenes on one grid, (changes, scenes): those known and the others."""
-    grid = states[0].grid
-    missing = np.array([k for k, scene in enumerate(scenes) if (scene, grid) not in known], int)
-    if len(missing):
-        unknowns = np.stack([states[k].unknowns for k in missing])
-        changes = on_grid(Fields.of(scenes[missing], grid, unknowns)).T
-        known |= zip([(scene, grid) for scene in scenes[missing]], changes, strict=True)
-    return np.array([known[scene, grid] for scene in scenes]).T
 
 
 def solve_perturbed_states(
