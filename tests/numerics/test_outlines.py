@@ -261,7 +261,7 @@ def test_the_pressure_under_a_curve_is_that_under_its_ellipse(tmp_path):
     scene = with_pad(film(epsilon=0.44, sigma=100.0, aspect=0.8, x=0.2), shape="ellipse")
     sides_m = scene.pad.length_x_m, scene.pad.length_y_m
     given = curved(scene, tmp_path, ellipse_mm(scene), sides_m)
-    wanted = {"x": np.linspace(0, 1, 9), "y": np.linspace(0, 1, 8), "instants": 8}
+    wanted = {"x": np.linspace(0, 1, 9), "y": np.linspace(0, 1, 8), "time_points": 8}
     one, other = (
         gauge_pressure_and_change(each, **wanted, tolerance=1e-4, device=choose_device())[0]
         for each in (scene, given)

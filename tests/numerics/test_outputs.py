@@ -249,7 +249,7 @@ def test_centre_and_moments_are_those_of_the_pressure_field() -> None:
     nodes, shares = np.polynomial.legendre.leggauss(40)
     across = (1 + nodes) / 2
     field = gauge_pressure_and_change(
-        scene, x=across, y=across, instants=16, tolerance=1e-5, device=choose_device()
+        scene, x=across, y=across, time_points=16, tolerance=1e-5, device=choose_device()
     )[0]
     mean = np.einsum("tyx,y,x->yx", field, shares / 2, shares / 2) / len(field)
     x_m, y_m = LENGTH_M * (across - 0.5), 1.3 * LENGTH_M * (across - 0.5)
@@ -271,7 +271,7 @@ def test_extremes_lie_between_the_nodes_too() -> None:
         scene,
         x=np.linspace(0, 1, 101),
         y=np.linspace(0, 1, 101),
-        instants=96,
+        time_points=96,
         tolerance=1e-5,
         device=choose_device(),
     )[0]
