@@ -117,7 +117,7 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
     const double2 first = size_after(g, film, 0, 0.0, scratch);
     FOR_EACH(row, g->rows) film->means_before[row] = film->means[row];
     Said s = {.mean = first.x, .largest = first.y, .status = STALLED};
-    film->at_rest = g->length > g->count && first.y == 0.0;
+    film->at_rest = first.y == 0.0;
     double least = INFINITY, length = 0.0;
     int patience = PATIENCE;
     for (; s.newton_steps <= most_newton; s.newton_steps++) {
@@ -151,8 +151,8 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         const double floor = fmax(LINEAR_ROUNDING / 10, 0.3 * *lack);
         const double target = fmax(fmax(last * goal, floor * s.residual),
                                    fmin(0.1 * s.residual, 3.0 * bend));
-        /* From rest what the preconditioner takes for the answer is as good as GMRES' first step, and
-         * needs nothing of the gas' velocities. */
+        /* From rest what the preconditioner takes for the answer is as good as GMRES' first step, which
+         * costs as much again as the residual. */
         double left = INFINITY;
         const int steps =
             film->at_rest
