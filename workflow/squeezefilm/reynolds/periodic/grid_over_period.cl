@@ -61,8 +61,6 @@ typedef struct {
     vector in_time, over_rest_squared, decay, speed, second;
     /* The Krylov basis, and what its vectors are on the nodes, where that is kept. */
     vector basis, nodal;
-    /* Whether it starts from rest, where velocities and thermal effects are zero. */
-    int at_rest;
     /* Unknowns that terms have of their own, at the state, in a change of it and in what answers to
      * the change; and room for the terms' fields. */
     field own;

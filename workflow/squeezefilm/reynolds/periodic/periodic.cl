@@ -117,12 +117,11 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
     const double2 first = size_after(g, film, 0, 0.0, scratch);
     FOR_EACH(row, g->rows) film->means_before[row] = film->means[row];
     Said s = {.mean = first.x, .largest = first.y, .status = STALLED};
-    film->at_rest = first.y == 0.0;
     double least = INFINITY, length = 0.0;
     int patience = PATIENCE;
     for (; s.newton_steps <= most_newton; s.newton_steps++) {
         residual(g, film, basis, scratch);
-        s.residual = norm(basis, film->at_rest ? g->count4 : g->length4, g->nt, scratch);
+        s.residual = norm(basis, g->length4, g->nt, scratch);
         if (!isfinite(s.residual)) {
             s.status = NOT_FINITE;
             break;
@@ -151,22 +150,15 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         const double floor = fmax(LINEAR_ROUNDING / 10, 0.3 * *lack);
         const double target = fmax(fmax(last * goal, floor * s.residual),
                                    fmin(0.1 * s.residual, 3.0 * bend));
-        /* From rest what the preconditioner takes for the answer is as good as GMRES' first step, which
-         * costs as much again as the residual. */
-        double left = INFINITY;
+        double left;
         const int steps =
-            film->at_rest
-                ? 0
-                : gmres(g, film, basis, small, s.residual, target, room, g->nt, &left, scratch);
+            gmres(g, film, basis, small, s.residual, target, room, g->nt, &left, scratch);
         matrix factors = small + (room + 1) * room;
         s.krylov_iterations += steps;
         field4 step = (field4)film->work_b;
 #ifdef SINGLE
         vector nodal = film->nodal;
-        if (steps > 0)
-            combine(nodal, g->count, factors, steps, g->count4);
-        else
-            from_modal(g, basis, film->in_time, nodal);
+        combine(nodal, g->count, factors, steps, g->count4);
 #else
         vector nodal = (vector)film->work_a;
         from_modal(g, basis, (vector)film->work_c, nodal);
@@ -176,7 +168,6 @@ static Said solve(const Grid *g, Film *film, double tolerance, int most_newton, 
         const double share = change.x > 0.9 ? 0.9 / change.x : 1.0;
         film->own_in = basis + g->count;
         TERMS_STEP(g, film, film->work_b, share)
-        film->at_rest = 0;
         const double2 size = size_after(g, film, (matrix4)step, share, scratch);
         s.mean = size.x;
         s.largest = size.y;

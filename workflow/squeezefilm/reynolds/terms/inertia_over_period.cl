@@ -245,7 +245,7 @@ static void set_linear(const Grid *whole_grid, const Film *whole_film, int axis)
 static void residual_inertia(const Grid *whole_grid, const Film *whole_film, field mass, field work,
                              field out)
 {
-    if (!whole_film->row->has_inertia || whole_film->at_rest)
+    if (!whole_film->row->has_inertia)
         return;
     AS_COPIES(whole_grid, whole_film)
     const double sigma = film->sigma;
@@ -430,7 +430,7 @@ static void response_inertia(const Grid *g, const Film *film, vector mass, vecto
 /* b as a step of the pressure and Krylov's solution change it; the latter has the other sign. */
 static void step_inertia(const Grid *g, const Film *film, field step, double share)
 {
-    if (!film->row->has_inertia || film->at_rest)
+    if (!film->row->has_inertia)
         return;
     vector rise = common_field(g, film, PRESSURE_RISE);
     FOR_EACH(i, g->count4) store4(((matrix4)step)[i], i, rise);

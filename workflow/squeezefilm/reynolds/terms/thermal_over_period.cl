@@ -111,7 +111,7 @@ static vector lacking_by_mass(const Grid *g, const Film *film)
 
 static void residual_thermal(const Grid *g, const Film *film, field mass, field work, field out)
 {
-    if (!film->row->has_thermal || film->at_rest)
+    if (!film->row->has_thermal)
         return;
     field warmth = film->own_work + (OWN_FIELDS - THERMAL_FIELDS) * g->spacing;
     field nodal = warmth + g->spacing, first = nodal + 2 * g->spacing, second = first + g->spacing;
