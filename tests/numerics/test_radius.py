@@ -152,7 +152,8 @@ def test_quantities_are_those_of_the_whole_disc():
     assert (abs(changes[:, 0] - changes[:, 1]) <= errors.sum(axis=1)).all()
     across = np.linspace(0, 1, 9)
     fields = [
-        gauge_pressure_and_change(scene, x=across, y=across, time_points=4, **how)[0] for scene in both
+        gauge_pressure_and_change(scene, x=across, y=across, time_points=4, **how)[0]
+        for scene in both
     ]
     assert np.nanmax(np.abs(fields[0] - fields[1])) < 2e-4 * np.nanmax(np.abs(fields[1]))
     assert (np.isnan(fields[0]) == np.isnan(fields[1])).all()
