@@ -814,6 +814,25 @@ def test_displacements_in_the_plane_are_no_places(tmp_path):
     same(read(tmp_path / "scan.csv", content))
 
 
+def test_of_rows_along_each_axis_those_along_the_normal_are_suggested(tmp_path):
+    """The first, along x, was: a motion in the plane had a force."""
+    path = tmp_path / "scan.csv"
+    rows = [
+        f"{direction},{x:.9g},{y:.9g},{u:.9g}"
+        for x, y, motion in zip(X, Y, U, strict=True)
+        for direction, u in (("+X", 3), ("+Y", 2), ("+Z", motion))
+    ]
+    content = "\n".join(["Direction,x_mm,y_mm,Displacement [um]", *rows])
+    with pytest.raises(InputError, match=r"by actuator.profile.rows: Direction = \+Z$"):
+        read(path, content)
+    same(normal := read(path, content, rows="Direction = +Z"))
+    assert not any("plane" in note for note in normal.notes)
+    aside = read(path, content, rows="Direction = +x")
+    assert any("'Direction = +x' is a motion in the plane" in note for note in aside.notes)
+    with pytest.raises(InputError, match="none is along z"):
+        read(path, "\n".join(line for line in content.splitlines() if "+Z" not in line))
+
+
 def labview(names: str, unit_line: str = "", first: str = "") -> str:
     """LabVIEW's file with its own first column empty."""
     cells = (f"{first}\t{x:.9g}\t{y:.9g}\t{u:.9g}\n" for x, y, u in zip(X, Y, U, strict=True))

@@ -91,7 +91,7 @@ FREQUENCY_NAME_PATTERN = re.compile(r"\W*\d+(?:[.,]\d*)?\s*[kM]?Hz\b\s*(|[\[(].*
 """The same as the whole name, but for a unit in brackets."""
 DECIBELS_PATTERN = re.compile(
     r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*"
-    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*(?: \S+)?)"
+    r"([\d.]+(?:e[-+]?\d+)?)?[\W_]*(\D\S*(?: \S+)?)"
 )
 """Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``, ``dB/1.00n m/s``."""
 AMPLITUDE_SYMBOL_PATTERN = re.compile(r"\A\s*[Aa](?=[\s_/\[(])")

@@ -194,7 +194,8 @@ def read_point_table(
         for at, name in enumerate(header)
         if at not in taken
     ]
-    cells, settings = rows_of_requested_measurement(cells, settings, rows)
+    cells, settings, in_plane = rows_of_requested_measurement(cells, settings, rows)
+    notes += in_plane
     if frequency_hz is not None:
         reject_points_off_surface(cells, settings, columns)
     cells, states, invalid = valid_rows(cells, settings)
