@@ -178,5 +178,5 @@ def test_an_empty_cell_between_bars_is_a_cell(row, tmp_path):
     path = tmp_path / "scenes.md"
     rows = ["Rig, 13 May", "", "| gap h0 [µm] | hv [µm] | y [µm] |", "|---:|---:|---|", row]
     path.write_text("\n".join([*rows, "| 5 | 2 | 100 |"]), encoding="utf-8")
-    with pytest.raises(InputError, match="line 5: y .* is '', not a finite number"):
+    with pytest.raises(InputError, match=r"line 5: y .* is '', not a finite number"):
         read_scenes(path)
