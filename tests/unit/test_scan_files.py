@@ -394,7 +394,7 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
 
 def test_r_of_a_lock_in_amplifier_is_no_place(tmp_path):
     content = with_header("x_mm,y_mm,R (V),Theta (deg)")
-    with pytest.raises(InputError, match=r"call it amplitude_um or phase_deg.*x, y, r, phi$"):
+    with pytest.raises(InputError, match=r"call 'R \(V\)', 'Theta \(deg\)' of a lock-in"):
         read(tmp_path / "scan.csv", content)
 
 

@@ -278,9 +278,22 @@ SCAN_VOCABULARY = ScanVocabulary()
 
 
 def header_columns(header: Sequence[str]) -> list[ScanColumn]:
-    """The columns that a header names."""
-    named = (scan_column_of_cell(name, at) for at, name in enumerate(header))
-    return [each for each in named if each]
+    """The columns that a header names.
+
+    A lock-in amplifier's ``R [V]`` is no radius, and ``Theta`` beside it a phase.
+    """
+    named = [each for at, name in enumerate(header) if (each := scan_column_of_cell(name, at))]
+    kept = [each for each in named if not _is_voltage_of_lock_in(each)]
+    if len(kept) < len(named) and "r" not in {each.quantity for each in kept}:
+        kept = [
+            replace(each, quantity="phase") if each.quantity == "phi" else each for each in kept
+        ]
+    return kept
+
+
+def _is_voltage_of_lock_in(column: ScanColumn) -> bool:
+    """Tell whether a column is the magnitude ``R [V]``."""
+    return column.quantity == "r" and bool(VOLTS_PATTERN.search(column.name))
 
 
 def select_columns(
@@ -415,7 +428,16 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
     ]
     known = {each.column_index for each in named}
     unknown = [name for at, name in unused.items() if at not in known]
-    voltages = [name for name in unknown if VOLTS_PATTERN.search(name)]
+    magnitudes = [
+        name for name in unknown if (told := scan_column_of_cell(name)) and told.quantity == "r"
+    ]
+    angles = [
+        each.name
+        for each in header_columns(header)
+        if each.quantity == "phase"
+        and replace(each, quantity="phi") == scan_column_of_cell(each.name, each.column_index)
+    ]
+    voltages = [] if magnitudes else [name for name in unknown if VOLTS_PATTERN.search(name)]
     motions = [
         name
         for name in unknown
@@ -435,6 +457,10 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         "or the like (only the shape counts)"
     ] * bool(lock_in)
     remedies += [
+        f"call {list_text([*map(repr, magnitudes + angles)])} of a lock-in amplifier velocity_mm/s"
+        f"{', phase_deg' * len(angles)} or the like (only the shape counts)"
+    ] * (len(magnitudes) == 1)
+    remedies += [
         f"call {name!r} velocity_mm/s or the like if a vibrometer's (only the shape counts)"
         for name in voltages * (len(voltages) == 1)
     ]
@@ -449,9 +475,11 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
 
 
 def remedy_of_unknown_places(header: Sequence[str]) -> str:
-    """A remedy for a missing place, by columns that are not known and whose words have its axis."""
-    known = {each.column_index for each in header_columns(header)}
-    names = {
+    """A remedy for a missing place, by a position on a line, and by words not known of an axis."""
+    named = header_columns(header)
+    known = {each.column_index for each in named}
+    on_line = [repr(each.name) for each in named if each.quantity == "line"]
+    names = dict(zip("x", on_line, strict=False)) | {
         axis: repr(name)
         for at, name in enumerate(header)
         for axis in ("x", "y")

@@ -133,7 +133,7 @@ def read_point_table(
         understood = {
             each.column_index
             for each in header_columns(header)
-            if each.quantity not in {*COORDINATE_UNITS, "height"}
+            if each.quantity not in {*COORDINATE_UNITS, "height", "line"}
         }
         ignored = [repr(name) for at, name in enumerate(header) if at not in taken | understood]
         beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
@@ -141,7 +141,7 @@ def read_point_table(
             beside += "".join(
                 f"; {remedy}" for remedy in remedies_of_unused_columns(header, columns.values())
             )
-        if not {*COORDINATE_UNITS} & columns.keys():
+        if not {"x", "y", "r"} & columns.keys():
             beside += remedy_of_unknown_places(header)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         elsewhere, second = (
