@@ -46,6 +46,7 @@ from squeezefilm.film.measured.columns import (
     UNITS_OF_SCAN_QUANTITY,
     ScanColumn,
     header_columns,
+    names_with_frequency_above,
     remedies_of_unused_columns,
     remedy_of_unknown_places,
     scan_column_of_cell,
@@ -121,11 +122,14 @@ def read_point_table(
     """
     lines, notes = read_table_lines(path, what=what, form=form)
     found = find_header(lines, SCAN_VOCABULARY, what=what, form=form)
-    index, first, header, separator = found.line, found.first_row, found.names, found.separator
+    index, first, separator = found.line, found.first_row, found.separator
+    header = names_with_frequency_above(found.names, lines[:index], separator)
     if not found.is_known:
         raise no_header_error(no_header_text(found, lines, form=form), lines, remedies)
     with prefix_errors(f"line {index + 1}"):
-        columns, at_frequency = select_columns(header, wanted, frequency_hz=frequency_hz)
+        columns, at_frequency = select_columns(
+            header, wanted, frequency_hz=frequency_hz, above=lines[:index]
+        )
         motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
