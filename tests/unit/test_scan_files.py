@@ -358,6 +358,17 @@ WRONG = {
         "'P4 Re (um)', 'P5 Re (um)', …",
     ),
     "no header": (PLAIN.split("\n", 1)[1], "line 1: no header names the columns"),
+    "a matrix with axes": (
+        "Amplitude [nm], signed\n\ny \\ x [mm];"
+        + "\n".join(
+            [";".join(f"{1.25 * at - 5:g}" for at in range(9)).replace(".", ",")]
+            + [f"{10 - 2 * at};" + ";".join(["0,5"] * 9) for at in range(11)]
+        ),
+        "a table of amplitudes with axes; leave out these and words, have x in its rows, ascending,"
+        " and the largest y first, and write lines above it: '# Width: 30 mm', '# Height: 20 mm', "
+        "'# Value units: um' (the number of values times their step: in the first row 9 × 1.25, in "
+        "the first column 11 × 2)",
+    ),
     "a matrix": (
         "\n".join(["\t".join(["0.5"] * 20)] * 20),
         "or, of a matrix of amplitudes, lines above it: '# Width: 30 mm', '# Height: 20 mm', ",
