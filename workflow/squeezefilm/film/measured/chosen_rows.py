@@ -142,7 +142,7 @@ def one_row_per_position(
 
 
 def _remedy_of_values(values: pd.Series, written: pd.Series, name: str) -> str:
-    """How to take the rows of one value: of directions that along z, the surface's normal."""
+    """A remedy that takes the rows of one value: of directions that along z, the normal."""
     if not values.str.fullmatch(DIRECTION_PATTERN).all():
         return f"take one by actuator.profile.rows: {name} = {values.iloc[0]}"
     along_normal = written[values.str.contains("z")]
