@@ -358,6 +358,17 @@ WRONG = {
         "'P4 Re (um)', 'P5 Re (um)', …",
     ),
     "no header": (PLAIN.split("\n", 1)[1], "line 1: no header names the columns"),
+    "a matrix with axes": (
+        "Amplitude [nm], signed\n\ny \\ x [mm];"
+        + "\n".join(
+            [";".join(f"{1.25 * at - 5:g}" for at in range(9)).replace(".", ",")]
+            + [f"{10 - 2 * at};" + ";".join(["0,5"] * 9) for at in range(11)]
+        ),
+        "a table of amplitudes with axes; leave out these and words, have x in its rows, ascending,"
+        " and the largest y first, and write lines above it: '# Width: 30 mm', '# Height: 20 mm', "
+        "'# Value units: um' (the number of values times their step: in the first row 9 × 1.25, in "
+        "the first column 11 × 2)",
+    ),
     "a matrix": (
         "\n".join(["\t".join(["0.5"] * 20)] * 20),
         "or, of a matrix of amplitudes, lines above it: '# Width: 30 mm', '# Height: 20 mm', ",
@@ -394,7 +405,7 @@ def test_what_cannot_be_read_is_refused_with_a_word(case, tmp_path):
 
 def test_r_of_a_lock_in_amplifier_is_no_place(tmp_path):
     content = with_header("x_mm,y_mm,R (V),Theta (deg)")
-    with pytest.raises(InputError, match=r"call it amplitude_um or phase_deg.*x, y, r, phi$"):
+    with pytest.raises(InputError, match=r"call 'R \(V\)', 'Theta \(deg\)' of a lock-in"):
         read(tmp_path / "scan.csv", content)
 
 
@@ -812,6 +823,25 @@ def test_displacements_in_the_plane_are_no_places(tmp_path):
     """u_x and u_y were, so that they were twice."""
     content = text("x_mm,y_mm,u_x [um],u_y [um],u_z [um]", X, Y, 0 * X + 3, 0 * X, U)
     same(read(tmp_path / "scan.csv", content))
+
+
+def test_of_rows_along_each_axis_those_along_the_normal_are_suggested(tmp_path):
+    """The first, along x, was: a motion in the plane had a force."""
+    path = tmp_path / "scan.csv"
+    rows = [
+        f"{direction},{x:.9g},{y:.9g},{u:.9g}"
+        for x, y, motion in zip(X, Y, U, strict=True)
+        for direction, u in (("+X", 3), ("+Y", 2), ("+Z", motion))
+    ]
+    content = "\n".join(["Direction,x_mm,y_mm,Displacement [um]", *rows])
+    with pytest.raises(InputError, match=r"by actuator.profile.rows: Direction = \+Z$"):
+        read(path, content)
+    same(normal := read(path, content, rows="Direction = +Z"))
+    assert not any("plane" in note for note in normal.notes)
+    aside = read(path, content, rows="Direction = +x")
+    assert any("'Direction = +x' is a motion in the plane" in note for note in aside.notes)
+    with pytest.raises(InputError, match="none is along z"):
+        read(path, "\n".join(line for line in content.splitlines() if "+Z" not in line))
 
 
 def labview(names: str, unit_line: str = "", first: str = "") -> str:

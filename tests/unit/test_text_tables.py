@@ -170,3 +170,13 @@ def test_scenes_have_inches_as_scans_have(tmp_path):
     scan = read_scan(path, frequency_hz=43270.0)
     assert scan.x_m == pytest.approx(X_MM * 0.0254)
     assert scan.amplitude_m == pytest.approx(SIGNED_UM * 25.4e-9)
+
+
+@pytest.mark.parametrize("row", ["| 5 | 1 |  |", "|5|1||"])
+def test_an_empty_cell_between_bars_is_a_cell(row, tmp_path):
+    """The row had 2 cells where the header has 3, or the header was judged by its blanks."""
+    path = tmp_path / "scenes.md"
+    rows = ["Rig, 13 May", "", "| gap h0 [µm] | hv [µm] | y [µm] |", "|---:|---:|---|", row]
+    path.write_text("\n".join([*rows, "| 5 | 2 | 100 |"]), encoding="utf-8")
+    with pytest.raises(InputError, match=r"line 5: y .* is '', not a finite number"):
+        read_scenes(path)

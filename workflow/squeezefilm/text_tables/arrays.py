@@ -87,14 +87,14 @@ def _reject_axis(matrix: np.ndarray) -> None:
         ("row", matrix[0], matrix[1] if len(matrix) > 1 else matrix[0]),
     ):
         axis, beside = first[1:], second[1:]  # a corner may have anything
-        if _step_irregularity(axis) < MAX_AXIS_IRREGULARITY < _step_irregularity(beside) / 4:
+        if step_irregularity(axis) < MAX_AXIS_IRREGULARITY < step_irregularity(beside) / 4:
             raise InputError(
                 f"the first {name} of the matrix, {axis[0]:g}, {axis[1]:g}, …, has even steps, as "
                 "an axis or numbers have; delete axes, so that amplitudes are left"
             )
 
 
-def _step_irregularity(values: np.ndarray) -> float:
+def step_irregularity(values: np.ndarray) -> float:
     """The largest difference of a step between values from the mean one, over this one."""
     steps = np.diff(values)
     steps = steps[np.isfinite(steps)]

@@ -40,6 +40,8 @@ WORDS_OF_OTHER_ALPHABETS = [
 ENCODINGS = ("cp932", "gb18030", "cp949", "cp1251", "cp1250")
 BARRED_ROW_PATTERN = re.compile(r"\d[\s$]*[|│&][\s$]*[-+.\d]")
 NUMBER_ROW_PATTERN = re.compile(r"[\s|│$]*[-+.]?\d")
+OUTER_BAR_PATTERN = re.compile(r"^[|│]|[|│]$")
+"""One bar at each end of a row: beside a second one is an empty cell."""
 RULE_BETWEEN_ROWS_PATTERN = re.compile(r"[\s|:+=_\-─━│├┤┼┌┐└┘┬┴╞╡╪]*|\s*\\[a-z]+\b[^&]*")
 """``| ---: | :---: |`` in Markdown, ``+----+`` of a database, ``\\hline`` in LaTeX."""
 LATEX_SIGNS = {"$": "", "\\mu": "µ", "^\\circ": "°", "{": "", "}": ""}
@@ -116,7 +118,8 @@ def _without_bars(lines: list[str]) -> list[str]:
         return lines
     first = next(at for at, line in enumerate(lines) if re.search("[|│&]", line))
     for at, line in enumerate(lines):
-        cells = re.split("[|│&]", re.sub(r"\\\\.*", "", line).strip(" |│"))
+        row = OUTER_BAR_PATTERN.sub("", re.sub(r"\\\\.*", "", line).strip())
+        cells = re.split("[|│&]", row)
         is_beside = at > first and len(cells) == 1 and not NUMBER_ROW_PATTERN.match(line)
         if RULE_BETWEEN_ROWS_PATTERN.fullmatch(line) or is_beside:
             cells = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -20,6 +21,7 @@ from squeezefilm.text_tables.cells import parse_numbers
 
 # Of all nodes of a body: the share of a face's, of others, and how far off they are, over the face.
 MIN_FACE_FRACTION, MIN_OFF_FRACTION, MIN_OFF_FACE_HEIGHT_FRACTION = 0.1, 0.1, 0.05
+DIRECTION_PATTERN = re.compile("[-+]?[xyz][-+]?")
 # So many rows at a place that differ in time are a time series.
 MIN_TIME_SERIES_ROWS = 8
 TIME_SERIES_REMEDY = "export amplitude and phase at the actuator's frequency"
@@ -27,9 +29,9 @@ TIME_SERIES_REMEDY = "export amplitude and phase at the actuator's frequency"
 
 def rows_of_requested_measurement(
     cells: pd.DataFrame, others: Sequence[ScanColumn], rows: str
-) -> tuple[pd.DataFrame, list[ScanColumn]]:
-    """The rows of one measurement, as in ``read_scan``, and the columns that they do not set."""
-    free = list(others)
+) -> tuple[pd.DataFrame, list[ScanColumn], list[str]]:
+    """The rows of one measurement, as in ``read_scan``, the columns that they do not set, notes."""
+    free, notes = list(others), list[str]()
     for condition in filter(None, map(str.strip, rows.split(";"))):
         name, _, value = (part.strip() for part in condition.rpartition("="))
         names = {other.name.lower(): other for other in others}
@@ -40,10 +42,16 @@ def rows_of_requested_measurement(
             column = names[name.lower()]
             values = normalise_cells(cells[column.column_index])
             cells = cells[values == normalise_cells(pd.Series([value]))[0]]
+            are_directions = values.str.fullmatch(DIRECTION_PATTERN).all()
+            if are_directions and not cells.empty and "z" not in value.lower():
+                notes.append(
+                    f"{condition!r} is a motion in the plane of x and y; that along the "
+                    "surface's normal squeezes a film"
+                )
             if cells.empty:
                 raise InputError(f"no row has this value; {distinct_values_text(values)}")
         free = [other for other in free if other is not column]
-    return cells, free
+    return cells, free, notes
 
 
 def reject_points_off_surface(
@@ -109,7 +117,8 @@ def one_row_per_position(
     if not position.duplicated().any():
         return table, notes
     for column in others:
-        values = normalise_cells(cells.loc[table.index, column.column_index])
+        written = cells.loc[table.index, column.column_index]
+        values = normalise_cells(written)
         differing = values.groupby(position).nunique()[position[position.duplicated()].unique()]
         if differing.median() < 2:
             continue
@@ -124,12 +133,25 @@ def one_row_per_position(
         if recurs:
             axis = "; or call it x, y or phi, with its unit, if it is the other coordinate"
             axis *= len({"x", "y", "r", "phi"} & {*table}) < 2
+            remedy = _remedy_of_values(values, written, column.name)
             raise InputError(
                 f"places have several rows each, which column {column.name!r} tells apart: "
-                f"{distinct_values_text(values)}; take one by actuator.profile.rows: {column.name} "
-                f"= {values.iloc[0]}{axis}"
+                f"{distinct_values_text(values)}; {remedy}{axis}"
             )
     return table, notes
+
+
+def _remedy_of_values(values: pd.Series, written: pd.Series, name: str) -> str:
+    """A remedy that takes the rows of one value: of directions that along z, the normal."""
+    if not values.str.fullmatch(DIRECTION_PATTERN).all():
+        return f"take one by actuator.profile.rows: {name} = {values.iloc[0]}"
+    along_normal = written[values.str.contains("z")]
+    if along_normal.empty:
+        return "none is along z, the surface's normal; export that motion"
+    return (
+        "take that along the surface's normal by actuator.profile.rows: "
+        f"{name} = {along_normal.iloc[0].strip()}"
+    )
 
 
 def _rows_at_frequency(

@@ -23,7 +23,7 @@ from squeezefilm.film.measured.scan import (
     list_text,
     nearest_spectral_line,
 )
-from squeezefilm.text_tables.header import Column, Vocabulary
+from squeezefilm.text_tables.header import Column, Vocabulary, split_cells
 from squeezefilm.text_tables.header_cells import (
     fold_accents,
     normalised_unit,
@@ -89,9 +89,10 @@ FREQUENCY_IN_NAME_PATTERN = re.compile(
 """The same in a name: ``43270 Hz Magnitude``, ``Amplitude 43.27 kHz [um]``."""
 FREQUENCY_NAME_PATTERN = re.compile(r"\W*\d+(?:[.,]\d*)?\s*[kM]?Hz\b\s*(|[\[(].*)", re.IGNORECASE)
 """The same as the whole name, but for a unit in brackets."""
+FREQUENCY_PATTERN = re.compile(r"\d+(?:[.,]\d+)?\s*[kM]?Hz\b", re.IGNORECASE)
 DECIBELS_PATTERN = re.compile(
     r"db[\W_]*(?:(?:re|ref|rel|relative|referred|bezogen|to|auf)[\W_]+)*"
-    r"([\d.]+(?:e[-+]?\d+)?)?\W*(\D\S*(?: \S+)?)"
+    r"([\d.]+(?:e[-+]?\d+)?)?[\W_]*(\D\S*(?: \S+)?)"
 )
 """Decibels with their reference: ``dB re 1 um``, ``dB (m/s)``, ``dB/1.00n m/s``."""
 AMPLITUDE_SYMBOL_PATTERN = re.compile(r"\A\s*[Aa](?=[\s_/\[(])")
@@ -278,17 +279,62 @@ SCAN_VOCABULARY = ScanVocabulary()
 
 
 def header_columns(header: Sequence[str]) -> list[ScanColumn]:
-    """The columns that a header names."""
-    named = (scan_column_of_cell(name, at) for at, name in enumerate(header))
-    return [each for each in named if each]
+    """The columns that a header names.
+
+    A lock-in amplifier's ``R [V]`` is no radius, and ``Theta`` beside it a phase.
+    """
+    named = [each for at, name in enumerate(header) if (each := scan_column_of_cell(name, at))]
+    kept = [each for each in named if not _is_voltage_of_lock_in(each)]
+    if len(kept) < len(named) and "r" not in {each.quantity for each in kept}:
+        kept = [
+            replace(each, quantity="phase") if each.quantity == "phi" else each for each in kept
+        ]
+    return kept
+
+
+def _is_voltage_of_lock_in(column: ScanColumn) -> bool:
+    """Tell whether a column is the magnitude ``R [V]``."""
+    return column.quantity == "r" and bool(VOLTS_PATTERN.search(column.name))
+
+
+def names_with_frequency_above(
+    header: Sequence[str], above: Sequence[str], separator: str
+) -> list[str]:
+    """Names of motions with the frequencies of merged cells above them: ``38.5 kHz Ampl. [nm]``.
+
+    They stay as they are where the motions are not alike below each frequency, or some are beside.
+    """
+    motions = [each.column_index for each in header_columns(header) if _is_part_of_motion(each)]
+    for line in above:
+        cells = split_cells(line, separator)
+        starts = [at for at, cell in enumerate(cells) if FREQUENCY_PATTERN.fullmatch(cell)]
+        width = len(motions) // max(len(starts), 1)
+        groups = [range(start, start + width) for start in starts]
+        names = [[*header[start : start + width]] for start in starts]
+        are_merged = [at for group in groups for at in group] == motions
+        if len(starts) > 1 and are_merged and all(each == names[0] for each in names):
+            frequency = {at: cells[group.start] for group in groups for at in group}
+            return [f"{frequency.get(at, '')} {name}".strip() for at, name in enumerate(header)]
+    return [*header]
+
+
+def _is_part_of_motion(column: ScanColumn) -> bool:
+    return column.quantity in {*MOTION_QUANTITIES, "phase"}
 
 
 def select_columns(
-    header: Sequence[str], wanted: Collection[str], *, frequency_hz: float | None
+    header: Sequence[str],
+    wanted: Collection[str],
+    *,
+    frequency_hz: float | None,
+    above: Sequence[str] = (),
 ) -> tuple[dict[str, ScanColumn], list[str]]:
     """The columns of some quantities, by these, and notes on the choice.
 
     Of several parts of a motion that along z is taken, of several frequencies the actuator's.
+
+    Args:
+        above: lines above the header, which may tell columns apart.
 
     Raises:
         InputError: for a quantity that stands twice.
@@ -314,12 +360,20 @@ def select_columns(
     for column in sorted(named, key=lambda each: each.size is None):
         first = columns.setdefault(column.quantity, column)
         names = {re.sub(r"\d+", "", each.name.lower()) for each in (first, column)}
-        mean = ", or write one column with their mean" * (len(names) == 1)
+        remedy = "leave one of them out"
+        above_hz = next(filter(None, map(FREQUENCY_PATTERN.findall, above)), [])
+        if len(above_hz) > 1:
+            remedy = (
+                f"write the frequencies above into the names, as in '{above_hz[0]} {first.name}', "
+                "or keep the columns of one"
+            )
+        elif len(names) == 1:
+            remedy += ", or write one column with their mean"
         if first is not column and (column.size or not first.size):
             _reject_data_sets_side_by_side(named)
             raise InputError(
                 f"the column {column.quantity!r} stands twice: {first.name!r} and "
-                f"{column.name!r}; leave one of them out{mean}"
+                f"{column.name!r}; {remedy}"
             )
     return dict(sorted(columns.items(), key=lambda each: each[1].column_index)), notes
 
@@ -415,7 +469,16 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
     ]
     known = {each.column_index for each in named}
     unknown = [name for at, name in unused.items() if at not in known]
-    voltages = [name for name in unknown if VOLTS_PATTERN.search(name)]
+    magnitudes = [
+        name for name in unknown if (told := scan_column_of_cell(name)) and told.quantity == "r"
+    ]
+    angles = [
+        each.name
+        for each in header_columns(header)
+        if each.quantity == "phase"
+        and replace(each, quantity="phi") == scan_column_of_cell(each.name, each.column_index)
+    ]
+    voltages = [] if magnitudes else [name for name in unknown if VOLTS_PATTERN.search(name)]
     motions = [
         name
         for name in unknown
@@ -435,6 +498,10 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         "or the like (only the shape counts)"
     ] * bool(lock_in)
     remedies += [
+        f"call {list_text([*map(repr, magnitudes + angles)])} of a lock-in amplifier velocity_mm/s"
+        f"{', phase_deg' * len(angles)} or the like (only the shape counts)"
+    ] * (len(magnitudes) == 1)
+    remedies += [
         f"call {name!r} velocity_mm/s or the like if a vibrometer's (only the shape counts)"
         for name in voltages * (len(voltages) == 1)
     ]
@@ -449,9 +516,11 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
 
 
 def remedy_of_unknown_places(header: Sequence[str]) -> str:
-    """A remedy for a missing place, by columns that are not known and whose words have its axis."""
-    known = {each.column_index for each in header_columns(header)}
-    names = {
+    """A remedy for a missing place, by a position on a line, and by words not known of an axis."""
+    named = header_columns(header)
+    known = {each.column_index for each in named}
+    on_line = [repr(each.name) for each in named if each.quantity == "line"]
+    names = dict(zip("x", on_line, strict=False)) | {
         axis: repr(name)
         for at, name in enumerate(header)
         for axis in ("x", "y")

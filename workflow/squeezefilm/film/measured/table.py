@@ -46,6 +46,7 @@ from squeezefilm.film.measured.columns import (
     UNITS_OF_SCAN_QUANTITY,
     ScanColumn,
     header_columns,
+    names_with_frequency_above,
     remedies_of_unused_columns,
     remedy_of_unknown_places,
     scan_column_of_cell,
@@ -121,11 +122,14 @@ def read_point_table(
     """
     lines, notes = read_table_lines(path, what=what, form=form)
     found = find_header(lines, SCAN_VOCABULARY, what=what, form=form)
-    index, first, header, separator = found.line, found.first_row, found.names, found.separator
+    index, first, separator = found.line, found.first_row, found.separator
+    header = names_with_frequency_above(found.names, lines[:index], separator)
     if not found.is_known:
         raise no_header_error(no_header_text(found, lines, form=form), lines, remedies)
     with prefix_errors(f"line {index + 1}"):
-        columns, at_frequency = select_columns(header, wanted, frequency_hz=frequency_hz)
+        columns, at_frequency = select_columns(
+            header, wanted, frequency_hz=frequency_hz, above=lines[:index]
+        )
         motion = [columns[name] for name in ("amplitude", "real", "imaginary") if name in columns]
         if len({column.power for column in motion}) > 1:
             raise InputError("real and imaginary part must be both displacements or velocities")
@@ -133,7 +137,7 @@ def read_point_table(
         understood = {
             each.column_index
             for each in header_columns(header)
-            if each.quantity not in {*COORDINATE_UNITS, "height"}
+            if each.quantity not in {*COORDINATE_UNITS, "height", "line"}
         }
         ignored = [repr(name) for at, name in enumerate(header) if at not in taken | understood]
         beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
@@ -141,7 +145,7 @@ def read_point_table(
             beside += "".join(
                 f"; {remedy}" for remedy in remedies_of_unused_columns(header, columns.values())
             )
-        if not {*COORDINATE_UNITS} & columns.keys():
+        if not {"x", "y", "r"} & columns.keys():
             beside += remedy_of_unknown_places(header)
         problems = [problem for problem, wrong in complete(columns).items() if wrong]
         elsewhere, second = (
@@ -194,7 +198,8 @@ def read_point_table(
         for at, name in enumerate(header)
         if at not in taken
     ]
-    cells, settings = rows_of_requested_measurement(cells, settings, rows)
+    cells, settings, in_plane = rows_of_requested_measurement(cells, settings, rows)
+    notes += in_plane
     if frequency_hz is not None:
         reject_points_off_surface(cells, settings, columns)
     cells, states, invalid = valid_rows(cells, settings)
