@@ -14,7 +14,7 @@ from periodic_strip import PeriodicStrip
 
 from squeezefilm.film.scene import Scene
 from squeezefilm.lazy import cl
-from squeezefilm.quantities import states
+from squeezefilm.quantities import model_error, states
 from squeezefilm.quantities.edge_effects import SEPARATE_LAWS, edge_effect_changes
 from squeezefilm.quantities.model_error import (
     EFFECT_NAMES,
@@ -115,6 +115,17 @@ def test_a_force_with_its_budget_takes_few_launches(
     (found,) = error_budgets([scene])
     assert not found.unknown_effect_names
     assert 0 < launch.call_count + solve_batch.call_count <= 15
+
+
+def test_no_finer_grids_are_solved_on_where_an_effect_stays_unknown(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Far outside the limits of validity these took a minute, for a total that is unknown."""
+    solve_films = Mock(side_effect=like_films.films_on_grids_of)
+    monkeypatch.setattr(model_error, "films_on_grids_of", solve_films)
+    (found,) = error_budgets([replace(scene, h0_m=36e-6, hv_m=2e-6)])
+    assert found.unknown_effect_names
+    assert [call.kwargs["grid_count"] for call in solve_films.call_args_list] == [2]
 
 
 def test_slip_with_the_flow_factor_is_the_difference_of_two_forces() -> None:

@@ -307,7 +307,12 @@ def _solution_of_variant(film: FilmOnGrids | None) -> Solution:
 def _is_resolved(
     budget: ErrorBudget, film: EffectVariants, variants: Mapping[Scene, FilmOnGrids]
 ) -> bool:
-    """Return whether effects are known as closely as the largest needs, or as it pays."""
+    """Return whether effects are known as closely as the largest needs, or as it pays.
+
+    It does not where one is unknown: on finer grids it stays so, and with it the total.
+    """
+    if any(isnan(effect.percent) for effect in budget.effects.values()):
+        return True
     known = [variants[scene] for scene in film.scenes if scene in variants]
     dearest = max((variant.operation_count for variant in known), default=0.0)
     if len(known) < len(film.scenes) or dearest > EXPENSIVE_OPERATION_COUNT:
