@@ -57,6 +57,14 @@ def test_what_failed_is_shown_once_with_its_file_and_what_to_do(tmp_path):
     assert "`make reference STUDIES=mine`" in text
 
 
+def test_what_is_missing_is_told_how_it_is_made():
+    kept = quantities(FORCES)
+    for made, is_told in ((kept, False), (kept[:-1], True)):
+        table = compare_quantities(made, stored(kept))
+        told = "`make check` also makes" in check.passed_and_failed_text(table, study="mine")
+        assert told == is_told
+
+
 def test_of_what_failed_causes_stand_first():
     found = [
         item._replace(part=part, item=item_name)
@@ -67,9 +75,8 @@ def test_of_what_failed_causes_stand_first():
     files = re.findall(r"results/mine/(\w+)", check.terminal_text(table, results))
     assert files == ["simulations", "fits", "claims"]
     failed_files = check.failed_files(table, results)
-    page = render_template(
-        "check.md", summary="", files=failed_files, plan_size=1, worst=table, table=table
-    )
+    values = {"study": "mine", "summary": "", "files": failed_files, "plan_size": 1}
+    page = render_template("check.md", **values, worst=table, table=table)
     assert re.findall(r"`results/mine/(\w+)", page) == files
 
 

@@ -30,6 +30,8 @@ from squeezefilm_workflow.reporting.pages import Page
 from squeezefilm_workflow.reporting.results import Results
 
 PASSED, FAILED = "passed", "failed"
+MISSING = "missing"
+"""What a quantity has got whose file or row was not made."""
 CHECK_COLUMNS = (
     *("verdict", "part", "item", "quantity", "of_tolerance", "expected", "got", "worst"),
     "tolerance",
@@ -185,6 +187,8 @@ def check_page(results: Results, *, reference: str) -> Page:
     shown["item"] = shown["item"].str.replace("(/|_on_)", "\\1\u200b", regex=True)
     shown["tolerance"] = shown["tolerance"].str.replace(r"(?<!\+) ", "\u00a0", regex=True)
     values = {
+        "study": results.folder.name,
+        "study": results.folder.name,
         "summary": passed_and_failed_text(table, study=results.folder.name),
         "files": failed_files(table, results.folder),
         "worst": worst_of_each_part(table).assign(
@@ -229,7 +233,7 @@ def compare_quantities(
         }
         worst = max(distances, key=lambda cell: distances[cell])
         verdict = PASSED if distances[worst] <= 1 else FAILED
-        values = expected.get(worst, "–"), quantity.cell_texts.get(worst, "missing")
+        values = expected.get(worst, "–"), quantity.cell_texts.get(worst, MISSING)
         tolerance = str(quantity.tolerance)
         rows.append((verdict, *quantity[:3], distances[worst], *values, worst, tolerance))
     return pd.DataFrame(rows, columns=list(CHECK_COLUMNS))
@@ -327,12 +331,15 @@ def compare_pictures(pictures: Path, reference: Path) -> Iterator[CheckedQuantit
 def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
     """Return a sentence with the number of quantities that passed or failed."""
     failed = int((table["verdict"] != PASSED).sum())
+    missing = ""
+    if (table["got"] == MISSING).any():
+        missing = " What is missing was not made: `make check` also makes what it may need."
     if failed:
         return (
             f"{failed} of {len(table)} quantities failed. Delete the first file that failed, from "
             "which others may be made, and run again (`snakemake FILE --configfile STUDY.yaml` "
             "makes one alone, `snakemake check` all); where the change is intended, "
-            f"`make reference STUDIES={study}` makes a new reference."
+            f"`make reference STUDIES={study}` makes a new reference.{missing}"
         )
     return f"All {len(table)} quantities that are compared passed."
 
