@@ -188,7 +188,6 @@ def check_page(results: Results, *, reference: str) -> Page:
     shown["tolerance"] = shown["tolerance"].str.replace(r"(?<!\+) ", "\u00a0", regex=True)
     values = {
         "study": results.folder.name,
-        "study": results.folder.name,
         "summary": passed_and_failed_text(table, study=results.folder.name),
         "files": failed_files(table, results.folder),
         "worst": worst_of_each_part(table).assign(
