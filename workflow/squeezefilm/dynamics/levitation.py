@@ -230,7 +230,10 @@ def valid_range_text(
         f"gaps of about {gap} µm with loads of about {load} N"
         for gap, load in zip(gaps, loads, strict=True)
     )
-    return f"at this amplitude the limits of validity hold for {ranges}"
+    return (
+        f"at this amplitude the limits of validity hold for {ranges}; near contact a force may not "
+        "converge, and loads grow with the pad"
+    )
 
 
 def _inward_rounded_range_text(values: np.ndarray) -> str:
