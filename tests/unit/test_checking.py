@@ -61,7 +61,7 @@ def test_what_is_missing_is_told_how_it_is_made():
     kept = quantities(FORCES)
     for made, is_told in ((kept, False), (kept[:-1], True)):
         table = compare_quantities(made, stored(kept))
-        told = "`make check` also makes" in check.passed_and_failed_text(table, study="mine")
+        told = "`make check` makes it" in check.passed_and_failed_text(table, study="mine")
         assert told == is_told
 
 

@@ -330,16 +330,19 @@ def compare_pictures(pictures: Path, reference: Path) -> Iterator[CheckedQuantit
 def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
     """Return a sentence with the number of quantities that passed or failed."""
     failed = int((table["verdict"] != PASSED).sum())
-    missing = ""
-    if (table["got"] == MISSING).any():
-        missing = " What is missing was not made: `make check` also makes what it may need."
     if failed:
-        return (
-            f"{failed} of {len(table)} quantities failed. Delete the first file that failed, from "
-            "which others may be made, and run again (`snakemake FILE --configfile STUDY.yaml` "
-            "makes one alone, `snakemake check` all); where the change is intended, "
-            f"`make reference STUDIES={study}` makes a new reference.{missing}"
+        missing = (
+            "A missing file was not made: `make check` makes it and the studies that it needs."
         )
+        sentences = [
+            f"{failed} of {len(table)} quantities failed.",
+            "Compare `expected` and `got` of the first.",
+            f"Where the change is intended, `make reference STUDIES={study}` makes a new reference.",
+            missing if (table["got"] == MISSING).any() else "",
+            "Where a file is stale or damaged, delete it; it and what follows from it are made by "
+            f"`snakemake check --configfile config/{study}.yaml`.",
+        ]
+        return " ".join(filter(None, sentences))
     return f"All {len(table)} quantities that are compared passed."
 
 
