@@ -339,7 +339,7 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
             "Compare `expected` and `got` of the first.",
             f"Where the change is intended, `make reference STUDIES={study}` makes a new reference.",
             missing if (table["got"] == MISSING).any() else "",
-            "Where a file is stale or damaged, delete it; it and what follows from it are made by "
+            "Where a file is damaged, delete it: it and what follows from it are made by "
             f"`snakemake check --configfile config/{study}.yaml`.",
         ]
         return " ".join(filter(None, sentences))
