@@ -231,8 +231,8 @@ def valid_range_text(
         for gap, load in zip(gaps, loads, strict=True)
     )
     return (
-        f"at this amplitude the limits of validity hold for {ranges}; give a load well within them, "
-        "or a larger pad for a larger load"
+        f"at this amplitude the limits of validity hold for {ranges}; give a load well within "
+        "them, or a larger pad for a larger load"
     )
 
 

@@ -337,7 +337,7 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
         sentences = [
             f"{failed} of {len(table)} quantities failed.",
             "Compare `expected` and `got` of the first.",
-            f"Where the change is intended, `make reference STUDIES={study}` makes a new reference.",
+            f"For an intended change `make reference STUDIES={study}` makes a new reference.",
             missing if (table["got"] == MISSING).any() else "",
             "Where a file is damaged, delete it: it and what follows from it are made by "
             f"`snakemake check --configfile config/{study}.yaml`.",
