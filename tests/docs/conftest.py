@@ -165,6 +165,8 @@ def outcomes(repository, tmp_path_factory, packages_before):
     for command in to_run(repository):
         (own if OWN_STUDIES.search(as_run(command.text)) else others).append(command)
     own.sort(key=lambda command: "tutorials" not in command.page)  # where the study is begun
+    # The package that it installs takes the place of the checkout, which has the default study.
+    others.sort(key=lambda command: command.text.startswith("pip install"))
     with ThreadPoolExecutor(2) as threads:
         chains = [
             threads.submit(run_all, commands, small_checkout(repository, folder / name))
