@@ -31,7 +31,8 @@ from squeezefilm.units import round_up_error
 # The spread is a few per cent at most: forces need not be finer than this to show it.
 SCAN_FORCE_TOLERANCE = 1e-3
 BOOTSTRAP_DRAWS, BOOTSTRAP_SEED = 50, 1
-# Part of the variance of noise under the pad in directions of which none is solved for.
+# Part of the variance of noise under the pad in directions of which none is solved for; the others
+# stand for it.
 NEGLECTED_NOISE_FRACTION = 0.03
 # Half of the interval that holds 95 %, over the spread: Student's t at 97.5 % with BOOTSTRAP_DRAWS
 # − 1 degrees of freedom (scipy.special takes 0.2 s to import).
@@ -133,19 +134,21 @@ class _NoiseUnderPad:
         own, *others = np.reshape(amplitudes, (len(amplitudes), -1))
         changes = np.array(others) - own
         left, sizes, _ = np.linalg.svd(np.hstack([changes.real, changes.imag]), full_matrices=False)
-        rest = np.cumsum(sizes[::-1] ** 2)[::-1]
+        rest = np.append(np.cumsum(sizes[::-1] ** 2)[::-1], 0.0)
         count = np.count_nonzero(rest > NEGLECTED_NOISE_FRACTION * rest[0])
         if 2 * count >= len(drawn):
             return cls(drawn, None)
-        factors = np.sqrt(len(drawn)) * left[:, :count]
-        coefficients = np.array(profile.coefficients)
-        steps = factors.T @ ([each.coefficients for each in drawn] - coefficients) / len(drawn)
+        directions, coefficients = left[:, :count], np.array(profile.coefficients)
+        steps = directions.T @ ([each.coefficients for each in drawn] - coefficients)
+        steps /= np.sqrt(len(drawn))
+        # These directions stand for the variance of the others too.
+        widening = np.sqrt(rest[0] / (rest[0] - rest[count]))
         return cls(
             [
                 replace(profile, coefficients=tuple(each.tolist()))
                 for each in (*(coefficients + steps), *(coefficients - steps))
             ],
-            factors,
+            widening * np.sqrt(len(drawn)) * directions,
         )
 
     def spread(self, own: pd.Series, values: pd.DataFrame) -> pd.Series:
