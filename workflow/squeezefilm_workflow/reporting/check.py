@@ -336,11 +336,12 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
         )
         sentences = [
             f"{failed} of {len(table)} quantities failed.",
-            "Compare `expected` and `got` of the first.",
+            "Compare `expected` and `got` of the first that failed.",
             f"For an intended change `make reference STUDIES={study}` makes a new reference.",
+            "Else code or packages have changed since the reference, or a file is damaged: delete "
+            f"it, and `snakemake check --configfile config/{study}.yaml` makes it and what follows "
+            "from it.",
             missing if (table["got"] == MISSING).any() else "",
-            "Where a file is damaged, delete it: it and what follows from it are made by "
-            f"`snakemake check --configfile config/{study}.yaml`.",
         ]
         return " ".join(filter(None, sentences))
     return f"All {len(table)} quantities that are compared passed."
