@@ -357,13 +357,8 @@ def rows_of_lines(
     how: dict[str, Any] = {"delimiter": separator, "skipinitialspace": True}
     reader = csv.reader(lines, strict=True, **how)
     try:
-        records = [(start + reader.line_num, cells) for cells in reader]
+        rows = [(start + reader.line_num, [*map(str.strip, cells)]) for cells in reader]
     except csv.Error:
         parts = (next(csv.reader([line], **how), []) for line in lines)
-        records = [*enumerate(parts, start=start + 1)]
-    rows = []
-    for number, record in records:
-        cells = [cell.strip() for cell in record]
-        if any(cells):
-            rows.append((number, cells))
-    return rows
+        rows = [(at, [*map(str.strip, cells)]) for at, cells in enumerate(parts, start=start + 1)]
+    return [row for row in rows if any(row[1])]
