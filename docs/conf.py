@@ -13,6 +13,7 @@ WORKFLOW = HERE.parent / "workflow"
 sys.path.insert(0, str(WORKFLOW))
 os.environ["PYTHONPATH"] = str(WORKFLOW)  # for the notebook's kernel
 
+import pandas as pd
 import yaml
 
 from squeezefilm import __version__
@@ -22,6 +23,7 @@ from squeezefilm.config.keys import key_table, study_schema
 from squeezefilm.film.gas import GASES_TABLE_PATH
 from squeezefilm.film.validity import VALIDITY_LIMITS
 from squeezefilm_workflow.paper.claims import verdict_text
+from squeezefilm_workflow.reporting.pages import markdown_table
 
 project, version, release = "squeezefilm", __version__, __version__
 extensions = [
@@ -117,12 +119,18 @@ def bibtex(entry: str, fields: dict[str, str]) -> list[str]:
 
 
 def stored(path: Path) -> tuple[list[str], list[str]]:
-    """Return the rows of a stored table as the page shows them, and the comments above it."""
+    """Return a stored table as the page shows it, one of each source, and the comments above it."""
     lines = path.read_text(encoding="utf-8").splitlines()
-    head, *rows = csv.reader(line for line in lines if not line.startswith("# "))
-    table = [head, ["---"] * len(head), *rows]
+    head, *body = csv.reader(line for line in lines if not line.startswith("# "))
+    table = pd.DataFrame(body, columns=head)
     comments = [line[2:] for line in lines if line.startswith("# ")]
-    return [f"| {' | '.join(row)} |" for row in table], comments
+    if "source" not in table:
+        return [markdown_table(table)], comments
+    parts: list[str] = []
+    for source, rows in table.groupby("source", sort=False):
+        with_values = rows.columns[(rows != "–").any()].drop("source")
+        parts += [f"**{source}**\n", markdown_table(rows[with_values])]
+    return parts, comments
 
 
 def measured(path: Path) -> str:

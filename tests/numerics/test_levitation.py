@@ -277,7 +277,7 @@ def test_the_loads_of_the_valid_gaps_are_those_of_forces_at_each_of_them(monkeyp
 
 
 def test_a_printed_table_names_a_reason_once_below_it(capsys):
-    assert main(["levitate", "--load", "0.1N,0.4N", "--hv", "2um"]) == 1
+    assert main(["levitate", "--load", "0.1000333N,0.4N", "--hv", "2um"]) == 1
     header, without_gap, with_gap, _, reason = capsys.readouterr().out.splitlines()
     assert header.split()[-1] == "status"
     assert without_gap.endswith("see note")

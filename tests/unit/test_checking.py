@@ -77,7 +77,7 @@ def test_of_what_failed_causes_stand_first():
     failed_files = check.failed_files(table, results)
     values = {"study": "mine", "summary": "", "files": failed_files, "plan_size": 1}
     page = render_template("check.md", **values, worst=table, table=table)
-    assert re.findall(r"`results/mine/(\w+)", page) == files
+    assert re.findall(r"`results/mine/(\w+)[^`]*`: not made yet", page) == files
 
 
 def test_each_part_has_its_worst_quantity():
@@ -88,6 +88,13 @@ def test_each_part_has_its_worst_quantity():
     assert worst["part"].tolist() == ["a", "data"]
     assert worst["passed"].tolist() == [1, 2]
     assert worst["quantity"].tolist() == ["–", "force_n"]
+
+
+def test_a_check_that_passes_tells_how_closely():
+    kept = quantities(FORCES)
+    close = stored(kept) | {kept[2][:3]: {**kept[2].cell_texts, "row 1": "0.0100000042"}}
+    text = check.passed_and_failed_text(compare_quantities(kept, close), study="mine")
+    assert text.endswith("the largest difference from the reference is 0.42 of the allowed one.")
 
 
 def test_the_page_begins_with_verdicts():

@@ -130,6 +130,13 @@ def test_the_largest_error_of_a_figure_is_rounded_up():
     assert "Bars: numerical error, at most 0.014 N." in figure.texts[0].get_text()
 
 
+@pytest.mark.parametrize("names", [("x_m", "y_m"), ("phi_r_m", "phi_deg"), ()])
+def test_a_curve_of_a_centred_pad_names_it_in_words(names):
+    rows = points(h0_m=[5e-6, 6e-6, 7e-6, 8e-6]).drop(columns=["x_m", "y_m"])
+    figure = curve_figure(rows.assign(**dict.fromkeys(names, 0.0)))
+    assert figure.axes[0].get_title() == "$h_v$ = 1 µm, pad centred, study mine"
+
+
 def test_curves_are_told_apart_without_colours_and_name_what_is_constant():
     figure = curve_figure(
         points(x_m=-2e-3, y_m=0.0, h0_m=[5e-6, 6e-6, 5e-6, 6e-6], hv_m=[1e-6, 1e-6, 2e-6, 2e-6])

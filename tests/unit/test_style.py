@@ -67,6 +67,12 @@ def test_every_picture_of_a_page_is_there_small_and_made_by_a_command(repository
     assert max(path.stat().st_size for path in kept) < 150_000
 
 
+def test_every_table_names_its_command_commit_and_date(repository):
+    for path in (repository / "docs/data").glob("*.csv"):
+        header = path.read_text(encoding="utf-8")
+        assert all(f"# {name}: " in header for name in ("command", "commit", "date")), path
+
+
 def test_light_areas_of_a_picture_stay_apart(repository, tmp_path):
     """Figure 14's grey band was lost in the white of its page."""
     pixels = np.full((200, 300, 3), 255, dtype=np.uint8)

@@ -149,11 +149,13 @@ def test_the_command_draws_a_figure_or_names_all_that_there_are(study, tmp_path,
 
 def test_a_page_shows_tables_text_and_verdicts_and_needs_nothing_else():
     rows = "| a | b |\n| --- | --- |\n| 1 \\| 2 | <b>x</b> |\n| agrees exactly | failed |\n"
+    rows += "| 6.7e-05 | 2 |\n"
     page = render_template("page.html", body=html_of_markdown(f"# A\n\n{rows}"), title="a <b>")
     assert "<h1>A</h1>" in page
     assert "<td>1 | 2</td>" in page
     assert "<td>&lt;b&gt;x&lt;/b&gt;</td>" in page
     assert "<title>a &lt;b&gt;</title>" in page
+    assert '<span class="number">6.7e-05</span>' in page
     coloured = '<td class="good">agrees exactly</td><td class="bad">failed</td>'
     assert coloured in page.replace("\n", "")
     assert not re.search(r"(src|href|url|@import|<script)", page)

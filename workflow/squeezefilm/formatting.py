@@ -99,7 +99,7 @@ def scene_row(scene: Scene) -> dict[str, Any]:
     absent = [term for term in absent_terms(terms_of(scene)) if term.assumption]
     exponent = scene.gas.polytropic_exponent
     thermal = "isothermal" if exponent == 1 else f"polytropic exponent {exponent:g}"
-    assumed = [thermal if each is Thermal.ABSENT_TERM else each.assumption for each in absent]
+    assumed = [thermal if term is Thermal.ABSENT_TERM else term.assumption for term in absent]
     equation = ", ".join([f"Reynolds{' with ' * bool(named)}{' and '.join(named)}", *assumed])
     numbers = {name: getattr(scene, name) for name in ("h0_m", "hv_m", *DIMENSIONLESS_COLUMNS)}
     return numbers | position_row(scene) | {"pad_shape": scene.pad.shape, "equation": equation}
@@ -202,17 +202,17 @@ def labelled_text(name: str, row: Mapping[str, Any]) -> tuple[str, Any]:
 def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     """Return a value of a row with its error, or the list of values that it holds."""
     if isinstance(value, list):
-        return [_row_value_text(name, each, row) for each in value]
+        return [_row_value_text(name, item, row) for item in value]
     if isinstance(value, Mapping):
-        beside = {error for each in value for error in error_columns(each, value)}
-        labelled = (labelled_text(each, value) for each in value if each not in beside)
+        beside = {error for column in value for error in error_columns(column, value)}
+        labelled = (labelled_text(column, value) for column in value if column not in beside)
         return ", ".join(map(" ".join, labelled))
     stem, unit = quantity_and_unit_of_column(name)
     if stem in FRACTION_COLUMNS:
         return value_text(100 * value, "%")
     if name in ERROR_PERCENT_COLUMNS and value == value:
         return f"{error_text(value)} %"
-    errors = [row[each] for each in error_columns(name, row)]
+    errors = [row[error_column] for error_column in error_columns(name, row)]
     if errors and stem in NON_NEGATIVE_QUANTITIES and round_up_error(max(errors)) >= value:
         bound = value_text(round_up_error(value + max(errors)), unit)
         return f"below about {bound} (error as large as the value)"
@@ -222,20 +222,20 @@ def _row_value_text(name: str, value: Any, row: Mapping[str, Any]) -> Any:
     if "±" not in text:
         return text
     if len(errors) > 1:
-        shown = [error_text_in_unit(each, value=value, unit=unit) for each in errors]
+        shown = [error_text_in_unit(error, value=value, unit=unit) for error in errors]
         text = f"{text.partition('±')[0]}± {', measurement noise ± '.join(shown)}"
     return text + " (without the modelling error)" * (name in COLUMNS_WITHOUT_MODELLING_ERROR)
 
 
 def _take_result_lines(row: Row) -> LabelledLines:
     """Take the result and its errors out of a row, as lines; or the reason for its absence."""
-    name = next((each for each in MAIN_RESULT_COLUMNS if error_columns(each, row)), "")
+    name = next((column for column in MAIN_RESULT_COLUMNS if error_columns(column, row)), "")
     value, status, (stem, unit) = (
         row.pop(name, nan),
         row.pop("status", "ok"),
         quantity_and_unit_of_column(name),
     )
-    errors = {each: row.pop(each) for each in error_columns(name, row)}
+    errors = {error_column: row.pop(error_column) for error_column in error_columns(name, row)}
     column, why = next(iter(errors), ""), f": {status}" * (status != "ok")
     error = errors.get(column, nan)
     reason, note = NOT_AVAILABLE_TEXT, str(row.get("note", ""))
@@ -258,7 +258,7 @@ def _take_result_lines(row: Row) -> LabelledLines:
         return f"± {error_text_in_unit(error, value=value, unit=unit)}{percentage}{source}"
 
     wider, bias = errors.get("error_99_n", 0.0), row.pop("quadrature_n", 0.0)
-    noise = next((errors[each] for each in errors if "noise" in each), 0.0)
+    noise = next((errors[error_column] for error_column in errors if "noise" in error_column), 0.0)
     misfit = row.pop("misfit_n", 0.0)
     row.pop("error_95_percent" if name == "force_n" else "", None)
     tolerance = f" (relative tolerance {row.pop('tolerance'):g})" if "tolerance" in row else ""
@@ -296,8 +296,12 @@ def _take_scene_lines(row: Row) -> LabelledLines:
         if name in row
     }
     numbers = {name: row.pop(name, 0) for name in DIMENSIONLESS_COLUMNS}
-    texts = [f"{name} = {value_text(each, unit, digits=6)}" for (name, unit), each in point.items()]
-    named = [f"{column_label(name)} {value_text(each)}" for name, each in numbers.items() if each]
+    texts = [
+        f"{name} = {value_text(number, unit, digits=6)}" for (name, unit), number in point.items()
+    ]
+    named = [
+        f"{column_label(name)} {value_text(number)}" for name, number in numbers.items() if number
+    ]
     return [
         ("validity", "within limits" if validity == OK else validity),
         ("operating point", ", ".join(texts)),
@@ -341,7 +345,9 @@ def _take_effect_lines(row: Row) -> LabelledLines:
     lines = [("modelling error", total)]
     if status != "ok":
         return lines
-    for name, (effect, error) in sorted(neglected.items(), key=lambda each: -abs(each[1][0])):
+    for name, (effect, error) in sorted(
+        neglected.items(), key=lambda effect_and_error: -abs(effect_and_error[1][0])
+    ):
         text = effect_change_text(effect, *[edge] * (name == "edge_loss"))
         if name in EFFECTS_WITH_ESTIMATED_ERROR:
             bound = percent_text(round_up_error(error), sign="")

@@ -323,7 +323,7 @@ def parse_formula(
                 )
                 raise formula_error(node, f"this is no arithmetic; {allowed}")
         arguments = [parse_node(operand, depth + 1) for operand in operands]
-        numbers = [np.float64(each) for each in arguments if type(each) is float]
+        numbers = [np.float64(argument) for argument in arguments if type(argument) is float]
         if len(numbers) == len(arguments):
             with np.errstate(all="ignore"):
                 value = float(_FUNCTION_OF_OPERATOR[operator](*numbers))
@@ -398,15 +398,17 @@ def parameter_units(
                 return dimension_product(
                     DIMENSIONLESS, first, Fraction(exponent).limit_denominator(1000)
                 )
-        for each in inner:
-            unit = _dimension_text(substitute_solved_parameters(each))
+        for dimension in inner:
+            unit = _dimension_text(substitute_solved_parameters(dimension))
             hint = "; the angle in radians is called `angle`" if unit == "deg" else ""
             if unit in EXAMPLE_OF_UNIT:
                 hint += (
                     f"; give a number its unit by `constants: {{name: {EXAMPLE_OF_UNIT[unit]}}}`"
                 )
             equate_dimensions(
-                each, DIMENSIONLESS, f"{part.text!r} needs a number without unit, not {unit}{hint}"
+                dimension,
+                DIMENSIONLESS,
+                f"{part.text!r} needs a number without unit, not {unit}{hint}",
             )
         return DIMENSIONLESS
 
@@ -430,8 +432,8 @@ def parameter_units(
     # What stays open is a parameter that cannot be told from another: any unit would do.
     found = {name: substitute_solved_parameters(dimensions[name]) for name in parameters}
     return {
-        name: _dimension_text({base: each[base] for base in each if base in BASE_UNITS})
-        for name, each in found.items()
+        name: _dimension_text({base: dimension[base] for base in dimension if base in BASE_UNITS})
+        for name, dimension in found.items()
     }
 
 

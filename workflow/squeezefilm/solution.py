@@ -146,7 +146,7 @@ class Solutions(Sequence[Solution]):
         forces = pd.DataFrame({name: self.columns[name] for name in SOLUTION_COLUMNS}, index=index)
         if not self.have_requested_quantities.any():
             return forces
-        asked = pd.DataFrame([each.requested_row for each in self], index=forces.index)
+        asked = pd.DataFrame([solution.requested_row for solution in self], index=forces.index)
         return pd.concat([forces, asked], axis=1)
 
     @property
@@ -157,10 +157,10 @@ class Solutions(Sequence[Solution]):
 
 # What stands in a column before it is known.
 DEFAULT_OF_COLUMN: dict[str, object] = {
-    each.name: "" if each.default is MISSING else each.default for each in fields(Solution)
+    column.name: "" if column.default is MISSING else column.default for column in fields(Solution)
 }
 SOLUTION_COLUMNS = tuple(
-    each.name for each in fields(Solution) if each.metadata.get("column", True)
+    column.name for column in fields(Solution) if column.metadata.get("column", True)
 )
 
 REQUESTABLE_COLUMNS = [column for column in COLUMNS.values() if column.of]

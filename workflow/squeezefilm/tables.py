@@ -231,7 +231,7 @@ def _read_table(
     wanted = [name for name in columns_in_table_form(columns, table) if name in table]
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
     problems: list[tuple[int, str]] = []
-    for name in [each for each in columns_in_table_form(numbers, wanted) if each in wanted]:
+    for name in [number for number in columns_in_table_form(numbers, wanted) if number in wanted]:
         cells = table[name].tolist()
         values = np.array([*map(number_of_cell, cells)], dtype=float)
         for row in np.flatnonzero(~np.isfinite(values)).tolist():
@@ -363,7 +363,7 @@ def _columns_in_si(
         if name not in TEXT_COLUMNS and (at in known or name in COLUMNS)
     }
     plain = without_units_and_thousands(
-        [(each.name, each.unit, columns[at]) for at, each in numbers.items()], separator
+        [(column.name, column.unit, columns[at]) for at, column in numbers.items()], separator
     )
     for (at, column), cells in zip(numbers.items(), plain, strict=True):
         if column.size != 1 or cells is not columns[at]:
@@ -397,18 +397,18 @@ def normalise_points(
     names = list(map(str, points))
     vocabulary = SceneVocabulary(_asked_columns(FACTOR_COLUMNS))
     renamed = {
-        each.name: each
-        for each in vocabulary.sized_columns(names).values()
-        if each.name != each.quantity
+        column.name: column
+        for column in vocabulary.sized_columns(names).values()
+        if column.name != column.quantity
     }
     if renamed:
         table = points if isinstance(points, pd.DataFrame) else pd.DataFrame(points)
         scaled = {
-            name: [float(f"{number_of_cell(cell) * each.size:.15g}") for cell in table[name]]
-            for name, each in renamed.items()
-            if each.size
+            name: [float(f"{number_of_cell(cell) * column.size:.15g}") for cell in table[name]]
+            for name, column in renamed.items()
+            if column.size
         }
-        own_names = {name: each.quantity for name, each in renamed.items()}
+        own_names = {name: column.quantity for name, column in renamed.items()}
         points = table.assign(**scaled).rename(columns=own_names)
     header = list(map(str, points))
     columns = columns_in_table_form(SCENE_COLUMNS, header)
@@ -528,19 +528,23 @@ def _likely_column(name: str, columns: Collection[str], *, missing: Collection[s
     import difflib  # only needed here
 
     first, *others = re.split(r"[^a-z0-9]+", name.lower())
-    words = [each for each, own in COLUMN_OF_WORDS.items() if own in columns]
-    named = [each for each in words if each in (first, *others)]
-    begun = [each for each in words if len(first) > 2 and each.startswith(first)]
+    words = [word for word, own in COLUMN_OF_WORDS.items() if own in columns]
+    named = [word for word in words if word in (first, *others)]
+    begun = [word for word in words if len(first) > 2 and word.startswith(first)]
     close = named or begun or difflib.get_close_matches(first, words, n=1)
     if close:
         return COLUMN_OF_WORDS[close[0]]
     own_words, unit = words_and_unit(name)
     of_unit = [
-        each for each in columns if unit in UNIT_SIZES_OF_BASE_UNIT.get(each.rpartition("_")[2], {})
+        column
+        for column in columns
+        if unit in UNIT_SIZES_OF_BASE_UNIT.get(column.rpartition("_")[2], {})
     ]
     is_deviation = bool({*own_words} & DEVIATION_WORDS)
     likely = [
-        each for each in of_unit if each in missing and ("uncertainty" in each) == is_deviation
+        column
+        for column in of_unit
+        if column in missing and ("uncertainty" in column) == is_deviation
     ]
     of_unit = of_unit if len(of_unit) == 1 else likely
     return of_unit[0] if len(of_unit) == 1 else ""

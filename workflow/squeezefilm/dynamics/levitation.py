@@ -19,7 +19,7 @@ import numpy as np
 from squeezefilm.errors import InputError, RunError
 from squeezefilm.film.scene import Scene, Scenes
 from squeezefilm.film.validity import GAP_RANGE_M, OK, exceeded_limit_texts, validity_texts
-from squeezefilm.formatting import number_text
+from squeezefilm.formatting import number_text, value_text
 from squeezefilm.quantities.model_error import (
     AUTO_TERMS,
     ErrorBudget,
@@ -148,13 +148,14 @@ def levitate(
             )
         raise InputError(
             f"load: no gap from {_micrometre_text(gaps_m[0])} to {_micrometre_text(gaps_m[-1])} "
-            f"carries {load_n:g} N at hv = {_micrometre_text(scene.hv_m)}; forces there: {carried}"
+            f"carries {value_text(load_n, 'N')} at hv = {_micrometre_text(scene.hv_m)}; forces "
+            f"there: {carried}"
         )
     scene_at_load, note = _scene_at_load(
         scene, rough[-1], load_n=load_n, model_tolerance=model_tolerance, how=how
     )
     notes = [*unsupported_auto_term_texts(scene, method=method), *[note] * bool(note)]
-    not_given = f"load: no gap is given for {load_n:g} N: "
+    not_given = f"load: no gap is given for {value_text(load_n, 'N')}: "
     if limits := exceeded_limit_texts(scene_at_load):
         raise RunError(not_given + "; ".join([*limits, *notes]))
     (budget,) = error_budgets([scene_at_load], device=device)

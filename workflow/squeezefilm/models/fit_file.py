@@ -182,7 +182,7 @@ class FittedModel(BaseModel):
             return factors
         given = {name: factors.column(name) for name in self.symmetry.position_columns}
         kept = ("h0_m", "hv_m", *PHYSICS_COLUMN_OF_NAME.values())
-        kept_columns = {name: each for name, each in factors.columns.items() if name in kept}
+        kept_columns = {name: column for name, column in factors.columns.items() if name in kept}
         return Factors.of(**kept_columns, **self.symmetry.representative_positions(**given))
 
     @property
@@ -351,7 +351,9 @@ def fit_from_values(values: Mapping[str, Any], *, source: Path | str) -> FittedM
         given = {**values, "file": str(source)}
         return FittedModel.model_validate(given, by_alias=True, by_name=True)
     except ValidationError as error:
-        wrong = [f"{'.'.join(map(str, each['loc']))}: {each['msg']}" for each in error.errors()]
+        wrong = [
+            f"{'.'.join(map(str, problem['loc']))}: {problem['msg']}" for problem in error.errors()
+        ]
         raise InputError(f"{source}: {'; '.join(wrong)}") from None
 
 

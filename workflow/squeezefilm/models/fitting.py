@@ -129,7 +129,7 @@ def run_genetic_searches(
     # The good region's share of the box falls with every parameter: twice the searches for each.
     count = min(2 ** (len(limit) - 1), MAX_GENETIC_SEARCHES)
     seeds = np.random.SeedSequence(seed).generate_state(count)
-    return [genetic_search(objective, lower=-limit, upper=limit, seed=int(each)) for each in seeds]
+    return [genetic_search(objective, lower=-limit, upper=limit, seed=int(seed)) for seed in seeds]
 
 
 def run_differential_evolution(
@@ -575,8 +575,8 @@ def parameter_ranges(
 
         def excess_sum_of_squares(way: float) -> float:
             if way not in tried:
-                defined = [each for each in tried if tried[each][1] < np.inf]
-                near = tried[min(defined, key=lambda each: abs(each - way))][0]
+                defined = [tried_way for tried_way in tried if tried[tried_way][1] < np.inf]
+                near = tried[min(defined, key=lambda tried_way: abs(tried_way - way))][0]
                 starts = _starts_with_fixed_value(near, index, float(theta[index] + way * step))
                 at = min(starts, key=lambda at: sum_of_squares(model, factors, force_n, at))
                 if np.isfinite(sum_of_squares(model, factors, force_n, at)):

@@ -93,7 +93,7 @@ def crossover(parents: Array, lower: Array, upper: Array, random: np.random.Gene
     """
     apart = np.abs(parents[0] - parents[1]) > EQUAL_PARENT_DISTANCE
     chosen = (random.random(apart.shape) < 0.5) & apart & (lower < upper)
-    least, most = (np.broadcast_to(each, apart.shape)[chosen] for each in (lower, upper))
+    least, most = (np.broadcast_to(bound, apart.shape)[chosen] for bound in (lower, upper))
     near, far = np.sort(parents[:, chosen], axis=0)
     part, width = random.random(len(near)), far - near
     power = np.full(len(near), CROSSOVER_DISTRIBUTION_INDEX + 1.0)
@@ -118,7 +118,7 @@ def mutation(x: Array, lower: Array, upper: Array, random: np.random.Generator) 
     at the limits (Deb and Goyal, Computer Science and Informatics 26(4), 1996).
     """
     chosen = (random.random(x.shape) < min(0.5, 1 / x.shape[1])) & (lower < upper)
-    least, most = (np.broadcast_to(each, x.shape)[chosen] for each in (lower, upper))
+    least, most = (np.broadcast_to(bound, x.shape)[chosen] for bound in (lower, upper))
     value, width = x[chosen], most - least
     part = random.random(len(value))
     power = np.full(len(value), MUTATION_DISTRIBUTION_INDEX + 1.0)

@@ -143,7 +143,7 @@ def find_header(lines: Sequence[str], vocabulary: Vocabulary, *, what: str, form
     ]
     if not candidates:
         return _header_of_unknown_names(lines, plain, first_row)
-    best = max(candidates, key=lambda each: each.rank)
+    best = max(candidates, key=lambda candidate: candidate.rank)
     if best.separator == BLANK_SEPARATOR and len(best.cells) != best.row_cells:
         remedy = (
             "name every column, the first, too, if it has the rows' names"
@@ -247,8 +247,8 @@ def _rows_have_names(rows: Sequence[str], separator: str, *, are_in_plane: bool)
     They are words, quoted, or the numbers of the rows, which no coordinate of a plane is.
     """
     cells = [split_cells(row, separator) for row in rows]
-    cells = [each for each in cells if len(each) == len(cells[0])]
-    names = [each[0] for each in cells]
+    cells = [row for row in cells if len(row) == len(cells[0])]
+    names = [row[0] for row in cells]
     are_quoted = all(re.match(r'\s*"[^"]*"[^"\w]*\d', row) for row in rows[: len(cells)])
     are_words = not any(map(is_number, names))
     start = int(names[0]) if names[0] in ("0", "1") else -1
@@ -357,13 +357,8 @@ def rows_of_lines(
     how: dict[str, Any] = {"delimiter": separator, "skipinitialspace": True}
     reader = csv.reader(lines, strict=True, **how)
     try:
-        records = [(start + reader.line_num, cells) for cells in reader]
+        rows = [(start + reader.line_num, [*map(str.strip, cells)]) for cells in reader]
     except csv.Error:
         parts = (next(csv.reader([line], **how), []) for line in lines)
-        records = [*enumerate(parts, start=start + 1)]
-    rows = []
-    for number, record in records:
-        cells = [cell.strip() for cell in record]
-        if any(cells):
-            rows.append((number, cells))
-    return rows
+        rows = [(at, [*map(str.strip, cells)]) for at, cells in enumerate(parts, start=start + 1)]
+    return [row for row in rows if any(row[1])]

@@ -33,13 +33,15 @@ def words_and_unit(cell: str) -> tuple[list[str], str]:
     """The words of a header's cell, and the unit in it, also within: ``û / µm (0-pk)``."""
     words, unit = next(possible_words_and_units(cell, SIZE_OF_UNIT))
     behind_first = map(normalised_unit, re.split(r"[\s/,()\[\]]+", cell)[:0:-1])
-    return words, unit or next((each for each in behind_first if each in SIZE_OF_UNIT), "")
+    return words, unit or next(
+        (unit_behind for unit_behind in behind_first if unit_behind in SIZE_OF_UNIT), ""
+    )
 
 
 def is_peak_to_peak(words: Sequence[str]) -> bool:
     """Tell whether words name an extent, twice an amplitude."""
     text = f" {' '.join(words)} "
-    return any(f" {each} " in text for each in words_of_file("scan_words.csv")["span"])
+    return any(f" {word} " in text for word in words_of_file("scan_words.csv")["span"])
 
 
 def column_and_unit(cell: str) -> tuple[str, str, float | None]:
@@ -78,9 +80,9 @@ class SceneVocabulary(Vocabulary):
     def sized_columns(self, header: Sequence[str]) -> dict[int, Column]:
         """The columns whose units are known, by their places; none in words beside that itself."""
         return {
-            each.column_index: each
-            for each in self.columns(header)
-            if each.size and (each.name == each.quantity or each.quantity not in header)
+            column.column_index: column
+            for column in self.columns(header)
+            if column.size and (column.name == column.quantity or column.quantity not in header)
         }
 
     def size_of_unit(self, cell: str) -> float | None:

@@ -344,7 +344,10 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
             missing if (table["got"] == MISSING).any() else "",
         ]
         return " ".join(filter(None, sentences))
-    return f"All {len(table)} quantities that are compared passed."
+    return (
+        f"All {len(table)} quantities that are compared passed; the largest difference from the "
+        f"reference is {table['of_tolerance'].max():.2g} of the allowed one."
+    )
 
 
 def failures_first(table: pd.DataFrame) -> pd.DataFrame:
@@ -354,12 +357,15 @@ def failures_first(table: pd.DataFrame) -> pd.DataFrame:
     return by_part.sort_values("verdict", key=lambda verdicts: verdicts == PASSED, kind="stable")
 
 
-def failed_files(table: pd.DataFrame, folder: Path) -> list[Path]:
-    """Return the files in a folder of results that have what failed, causes first."""
+def failed_files(table: pd.DataFrame, folder: Path) -> dict[Path, str]:
+    """Return the files in a folder of results that have what failed, causes first.
+
+    The text of a file tells where it was not made.
+    """
     rows = failures_first(table[table["verdict"] != PASSED])
     items = zip(rows["part"], rows["item"], strict=True)
     paths = (folder / FILE_TEMPLATE_OF_PART[part].format(item) for part, item in items)
-    return list(dict.fromkeys(paths))
+    return {path: "" if path.exists() else ": not made yet" for path in paths}
 
 
 def worst_of_each_part(table: pd.DataFrame) -> pd.DataFrame:
@@ -387,12 +393,9 @@ def terminal_text(table: pd.DataFrame, folder: Path) -> str:
         "float_format": "{:.2g}".format,
     }
     shown = [f"{title}:\n{rows.to_string(**how)}\n\n" for title, rows in kinds.items() if len(rows)]
-    paths = ["Files that failed:\n", *map(_file_line, files), "\n"] if files else []
+    lines = [f"{file}{state}\n" for file, state in files.items()]
+    paths = ["Files that failed:\n", *lines, "\n"] if files else []
     return "".join([*shown, *paths, passed_and_failed_text(table, study=folder.name)])
-
-
-def _file_line(file: Path) -> str:
-    return f"{file}{'' if file.exists() else ': not made yet'}\n"
 
 
 def tolerance_by_kind(solver: float) -> dict[str, CellTolerance]:

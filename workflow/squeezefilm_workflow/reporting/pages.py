@@ -32,6 +32,8 @@ FRACTION_COLUMN_PATTERN = re.compile(
     r"(\w+_)?(error|relative|global_upper|coverage|fraction)(_min|_all_points|_in_\w+)?"
 )
 """Columns of fractions by their names."""
+NUMBER_WITH_HYPHEN_PATTERN = re.compile(r"\d[\d.]*e-\d+(?![^<]*>)")
+"""A number in a page's text, not in a tag, that a browser would break at its exponent's sign."""
 
 
 class Page(NamedTuple):
@@ -88,7 +90,8 @@ def render_template(template: str, **values: Any) -> str:
 def html_of_markdown(markdown: str, *, folder: Path = Path()) -> Markup:
     """Markdown as HTML in which nothing is taken for HTML; tables scroll by themselves.
 
-    Cells that begin with a verdict are coloured, and pictures are within the page.
+    Cells that begin with a verdict are coloured, numbers stay on one line, and pictures are within
+    the page.
 
     Args:
         folder: in which the pictures lie.
@@ -107,6 +110,7 @@ def html_of_markdown(markdown: str, *, folder: Path = Path()) -> Markup:
         return f'<img src="data:image/png;base64,{data}"'
 
     body = str(MarkdownIt("commonmark", {"html": False}).enable("table").render(markdown))
+    body = NUMBER_WITH_HYPHEN_PATTERN.sub(r'<span class="number">\g<0></span>', body)
     for colour, words in VERDICT_STARTS_OF_STYLE.items():
         for word in words:
             body = body.replace(f"<td>{word}", f'<td class="{colour}">{word}')

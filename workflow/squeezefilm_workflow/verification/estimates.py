@@ -195,11 +195,6 @@ def force_and_grid_rows(
     return rows, grids
 
 
-def direct_pressures_and_errors(scenes: Sequence[Scene], *, tolerance: float) -> np.ndarray:
-    """Mean gauge pressures over p0 and their errors far within a tolerance, (n, 2)."""
-    return _gauge_pressures_and_errors(scenes, ALL_TERMS_CAMPAIGN.direct_tolerance(tolerance))
-
-
 def _gauge_pressures_and_errors(scenes: Sequence[Scene], tolerance: float) -> np.ndarray:
     """Mean gauge pressures over p0 and their errors, (n, 2)."""
     solved = solve(scenes, tolerance=tolerance, method="periodic")

@@ -41,18 +41,18 @@ def distinct_values_text(values: pd.Series) -> str:
 
 def si_values(table: pd.DataFrame, columns: Collection[ScanColumn], separator: str) -> pd.DataFrame:
     """Columns' values in SI units; raises InputError naming the line of one that is no number."""
-    cells = {each.quantity: table[each.column_index] for each in columns}
+    cells = {column.quantity: table[column.column_index] for column in columns}
     if "amplitude" in cells:
         # NumPy writes (1.2+-0.3j).
         pairs = cells["amplitude"].str.replace(PAIR_PATTERN, r"\1+\2i", regex=True)
         cells["amplitude"] = pairs.str.replace(r"\+(?=[-+])", "", regex=True)
     plain = without_units_and_thousands(
-        [(each.quantity, each.unit, cells[each.quantity]) for each in columns], separator
+        [(column.quantity, column.unit, cells[column.quantity]) for column in columns], separator
     )
     return pd.DataFrame(
         {
-            each.quantity: _si_values_of_column(cells_of_column, each)
-            for each, cells_of_column in zip(columns, plain, strict=True)
+            column.quantity: _si_values_of_column(cells_of_column, column)
+            for column, cells_of_column in zip(columns, plain, strict=True)
         }
     )
 

@@ -51,7 +51,7 @@ def centre_of_symmetry(
     start = np.zeros(varied.sum())
     fits = []
     for parity in {*parities}:
-        of_parity = tuple(o for o, each in zip(orders, parities, strict=True) if each == parity)
+        of_parity = tuple(o for o, own in zip(orders, parities, strict=True) if own == parity)
         fits.append((least_squares(residual, start, args=(of_parity,)), len(of_parity)))
     fit, mode_count = min(fits, key=lambda pair: float(pair[0].cost))
     deviation = math.sqrt(2 * fit.cost / (len(shape) - mode_count))

@@ -62,11 +62,11 @@ def reject_points_off_surface(
         if column.quantity != "height" or "x" not in columns or cells.empty:
             continue
         x_m, z_m = (
-            parse_numbers(cells[each.column_index]) * (each.size or columns["x"].size or 1.0)
-            for each in (columns["x"], column)
+            parse_numbers(cells[axis.column_index]) * (axis.size or columns["x"].size or 1.0)
+            for axis in (columns["x"], column)
         )
         flat = [columns[name] for name in ("x", "y") if name in columns]
-        flat = [each for each in flat if cells[each.column_index].nunique() == 1]
+        flat = [axis for axis in flat if cells[axis.column_index].nunique() == 1]
         if len(flat) == 1 and z_m.nunique() > MIN_SCAN_POINTS:
             raise InputError(
                 f"{flat[0].name!r} is {cells[flat[0].column_index].iloc[0]} everywhere, and "

@@ -175,9 +175,9 @@ def quantity_of_words(words: Sequence[str], unit: str = "") -> str | None:
     core = {*words} - IGNORED_WORDS or {*words} & {*WORDS_OF_MEANING["line"]} or {*words[:1]}
     if {*words} & VIBRATION_WORDS:
         core -= {*WORDS_OF_MEANING["beside_motion"]}
-    sets = [each for each in (frozenset(words), frozenset(core)) if each in QUANTITY_OF_WORDS]
+    sets = [names for names in (frozenset(words), frozenset(core)) if names in QUANTITY_OF_WORDS]
     if sets:
-        named = [QUANTITY_OF_WORDS[each] for each in sets]
+        named = [QUANTITY_OF_WORDS[names] for names in sets]
         return min(named, key=lambda name: unit not in UNITS_OF_QUANTITY[name])
     of_words = {QUANTITY_OF_WORDS.get(frozenset([word])) for word in core}
     if len(of_words) == 1 and of_words != {None}:
@@ -261,7 +261,7 @@ class ScanVocabulary(Vocabulary):
         return scan_column_of_cell(cell, column_index)
 
     def quantities(self, header: Sequence[str]) -> Collection[str]:
-        known = {each.quantity for each in self.columns(header)} - {*ROW_STATUS_QUANTITIES}
+        known = {column.quantity for column in self.columns(header)} - {*ROW_STATUS_QUANTITIES}
         return known - {"line"} if known & {*COORDINATE_UNITS} else known
 
     def size_of_unit(self, cell: str) -> float | None:
@@ -283,11 +283,12 @@ def header_columns(header: Sequence[str]) -> list[ScanColumn]:
 
     A lock-in amplifier's ``R [V]`` is no radius, and ``Theta`` beside it a phase.
     """
-    named = [each for at, name in enumerate(header) if (each := scan_column_of_cell(name, at))]
-    kept = [each for each in named if not _is_voltage_of_lock_in(each)]
-    if len(kept) < len(named) and "r" not in {each.quantity for each in kept}:
+    named = [column for at, name in enumerate(header) if (column := scan_column_of_cell(name, at))]
+    kept = [column for column in named if not _is_voltage_of_lock_in(column)]
+    if len(kept) < len(named) and "r" not in {column.quantity for column in kept}:
         kept = [
-            replace(each, quantity="phase") if each.quantity == "phi" else each for each in kept
+            replace(column, quantity="phase") if column.quantity == "phi" else column
+            for column in kept
         ]
     return kept
 
@@ -304,7 +305,9 @@ def names_with_frequency_above(
 
     They stay as they are where the motions are not alike below each frequency, or some are beside.
     """
-    motions = [each.column_index for each in header_columns(header) if _is_part_of_motion(each)]
+    motions = [
+        column.column_index for column in header_columns(header) if _is_part_of_motion(column)
+    ]
     for line in above:
         cells = split_cells(line, separator)
         starts = [at for at, cell in enumerate(cells) if FREQUENCY_PATTERN.fullmatch(cell)]
@@ -312,7 +315,7 @@ def names_with_frequency_above(
         groups = [range(start, start + width) for start in starts]
         names = [[*header[start : start + width]] for start in starts]
         are_merged = [at for group in groups for at in group] == motions
-        if len(starts) > 1 and are_merged and all(each == names[0] for each in names):
+        if len(starts) > 1 and are_merged and all(group == names[0] for group in names):
             frequency = {at: cells[group.start] for group in groups for at in group}
             return [f"{frequency.get(at, '')} {name}".strip() for at, name in enumerate(header)]
     return [*header]
@@ -357,9 +360,9 @@ def select_columns(
     named = [column for column in named if column.quantity in wanted]
     named, notes = _columns_at_frequency(named, frequency_hz)
     columns: dict[str, ScanColumn] = {}
-    for column in sorted(named, key=lambda each: each.size is None):
+    for column in sorted(named, key=lambda candidate: candidate.size is None):
         first = columns.setdefault(column.quantity, column)
-        names = {re.sub(r"\d+", "", each.name.lower()) for each in (first, column)}
+        names = {re.sub(r"\d+", "", twin.name.lower()) for twin in (first, column)}
         remedy = "leave one of them out"
         above_hz = next(filter(None, map(FREQUENCY_PATTERN.findall, above)), [])
         if len(above_hz) > 1:
@@ -375,7 +378,7 @@ def select_columns(
                 f"the column {column.quantity!r} stands twice: {first.name!r} and "
                 f"{column.name!r}; {remedy}"
             )
-    return dict(sorted(columns.items(), key=lambda each: each[1].column_index)), notes
+    return dict(sorted(columns.items(), key=lambda entry: entry[1].column_index)), notes
 
 
 def _reject_data_sets_side_by_side(named: Sequence[ScanColumn]) -> None:
@@ -383,7 +386,7 @@ def _reject_data_sets_side_by_side(named: Sequence[ScanColumn]) -> None:
     counts = Counter(column.quantity for column in named)
     repeated = [quantity for quantity, count in counts.items() if count > 1]
     if len(repeated) > 1 and {*repeated} & {*COORDINATE_UNITS}:
-        names = [repr(each.name) for each in named if each.quantity in repeated]
+        names = [repr(column.name) for column in named if column.quantity in repeated]
         is_curve = not {*counts} & {*AMPLITUDE_UNITS}
         kept = "x_mm, amplitude_um" if is_curve else "x_mm, y_mm, amplitude_um"
         raise InputError(
@@ -411,25 +414,28 @@ def _with_ambiguous_columns(named: list[ScanColumn], header: Sequence[str]) -> l
     """
     known = {column.quantity for column in named}
     if not known & {*COORDINATE_UNITS}:
-        named = [replace(each, quantity="x") if each.quantity == "line" else each for each in named]
+        named = [
+            replace(column, quantity="x") if column.quantity == "line" else column
+            for column in named
+        ]
     letters = [
-        each for at, name in enumerate(header) if (each := _motion_column_of_letter(name, at))
+        column for at, name in enumerate(header) if (column := _motion_column_of_letter(name, at))
     ]
     if known & MOTION_QUANTITIES:
-        return named + [each for each in letters if each.unit]
+        return named + [column for column in letters if column.unit]
     levels = [
-        replace(each, quantity="amplitude", unit="db", in_decibels=True)
-        for each in named
-        if each.quantity == "level"
+        replace(column, quantity="amplitude", unit="db", in_decibels=True)
+        for column in named
+        if column.quantity == "level"
     ]
-    means = [replace(each, quantity="amplitude") for each in named if each.quantity == "mean"]
+    means = [replace(column, quantity="amplitude") for column in named if column.quantity == "mean"]
     symbols = [
-        replace(each, name=name)
+        replace(column, name=name)
         for at, name in enumerate(header)
         if AMPLITUDE_SYMBOL_PATTERN.match(name)
-        and (each := scan_column_of_cell(AMPLITUDE_SYMBOL_PATTERN.sub("amplitude", name), at))
+        and (column := scan_column_of_cell(AMPLITUDE_SYMBOL_PATTERN.sub("amplitude", name), at))
     ]
-    lines = [each for at, name in enumerate(header) if (each := _motion_at_frequency(name, at))]
+    lines = [column for at, name in enumerate(header) if (column := _motion_at_frequency(name, at))]
     return named + (letters or symbols or means or levels or lines)
 
 
@@ -458,25 +464,25 @@ def _motion_column_of_letter(name: str, column_index: int) -> ScanColumn | None:
 
 def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColumn]) -> list[str]:
     """Remedies for a missing amplitude, by the columns that are not used and may have it."""
-    places = {each.column_index for each in used}
+    places = {column.column_index for column in used}
     unused = {at: name for at, name in enumerate(header) if at not in places}
-    named = [each for each in header_columns(header) if each.column_index in unused]
+    named = [column for column in header_columns(header) if column.column_index in unused]
     lock_in = [
-        each.name
-        for each in named
-        if each.quantity in ("x", "y")
-        and (VOLTS_PATTERN.search(each.name) or OMEGA_POWER_OF_UNIT.get(each.unit))
+        column.name
+        for column in named
+        if column.quantity in ("x", "y")
+        and (VOLTS_PATTERN.search(column.name) or OMEGA_POWER_OF_UNIT.get(column.unit))
     ]
-    known = {each.column_index for each in named}
+    known = {column.column_index for column in named}
     unknown = [name for at, name in unused.items() if at not in known]
     magnitudes = [
         name for name in unknown if (told := scan_column_of_cell(name)) and told.quantity == "r"
     ]
     angles = [
-        each.name
-        for each in header_columns(header)
-        if each.quantity == "phase"
-        and replace(each, quantity="phi") == scan_column_of_cell(each.name, each.column_index)
+        column.name
+        for column in header_columns(header)
+        if column.quantity == "phase"
+        and replace(column, quantity="phi") == scan_column_of_cell(column.name, column.column_index)
     ]
     voltages = [] if magnitudes else [name for name in unknown if VOLTS_PATTERN.search(name)]
     motions = [
@@ -484,7 +490,7 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
         for name in unknown
         if next(possible_words_and_units(name, ALL_UNITS))[1] in MOTION_UNITS
     ]
-    heights = [each.name for each in named if each.quantity == "height" and each.size]
+    heights = [column.name for column in named if column.quantity == "height" and column.size]
     values = heights if not motions else motions * (len(motions) == 1)
     columns_by_stem: dict[str, list[str]] = {}
     for name in unused.values():
@@ -518,8 +524,8 @@ def remedies_of_unused_columns(header: Sequence[str], used: Collection[ScanColum
 def remedy_of_unknown_places(header: Sequence[str]) -> str:
     """A remedy for a missing place, by a position on a line, and by words not known of an axis."""
     named = header_columns(header)
-    known = {each.column_index for each in named}
-    on_line = [repr(each.name) for each in named if each.quantity == "line"]
+    known = {column.column_index for column in named}
+    on_line = [repr(column.name) for column in named if column.quantity == "line"]
     names = dict(zip("x", on_line, strict=False)) | {
         axis: repr(name)
         for at, name in enumerate(header)
@@ -537,15 +543,15 @@ def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
     """Problems of the columns' units, all at once, each with what is allowed."""
     lacking = [column for column in columns if not column.size]
     levels = [column for column in lacking if column.in_decibels]
-    unknown = [each for each in lacking if each.unit and each not in levels]
+    unknown = [column for column in lacking if column.unit and column not in levels]
     bare = [column for column in lacking if not column.unit and column not in levels]
     problems = [
-        f"{each.name!r} is {MOTION_NAMES[each.omega_power_of_name]} by its name and "
-        f"{MOTION_NAMES[each.power]} by its unit; correct one of them"
-        for each in columns
-        if each.size
-        and each.quantity != "phase"
-        and each.omega_power_of_name not in (None, each.power)
+        f"{column.name!r} is {MOTION_NAMES[column.omega_power_of_name]} by its name and "
+        f"{MOTION_NAMES[column.power]} by its unit; correct one of them"
+        for column in columns
+        if column.size
+        and column.quantity != "phase"
+        and column.omega_power_of_name not in (None, column.power)
     ]
     shape = "of a motion only the shape counts, so that a constant factor may be wrong"
     if levels:
@@ -554,7 +560,7 @@ def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
             f"{_suggested_names(levels, 'dB re 1 ')} ({shape})"
         )
     if unknown:
-        units = ", ".join(repr(each.unit) for each in unknown)
+        units = ", ".join(repr(column.unit) for column in unknown)
         problems.append(
             f"the unit {units} of {_quoted_names(unknown)} is not known; write another into "
             f"the header, as in {_suggested_names(unknown)}"
@@ -569,13 +575,13 @@ def unit_problems(columns: Collection[ScanColumn]) -> list[str]:
             f". Lengths are in {', '.join(LENGTH_UNITS_M)}, motions also over s or s² and in g, "
             f"angles in {', '.join(ANGLE_UNITS_RAD)}"
         )
-    if any(each.quantity in MOTION_QUANTITIES for each in (*unknown, *bare)):
+    if any(column.quantity in MOTION_QUANTITIES for column in (*unknown, *bare)):
         problems[-1] += f" ({shape})"
     return problems
 
 
 def _quoted_names(columns: Collection[ScanColumn]) -> str:
-    return ", ".join(repr(each.name) for each in columns)
+    return ", ".join(repr(column.name) for column in columns)
 
 
 def _suggested_names(columns: Collection[ScanColumn], before: str = "") -> str:
@@ -584,15 +590,15 @@ def _suggested_names(columns: Collection[ScanColumn], before: str = "") -> str:
         re.sub(
             r"\W*\bdb.*|\s*(?:\[[^\[\]]*\]|[\[(][^\[(]*[\])])\s*$",
             "",
-            each.name,
+            column.name,
             flags=re.IGNORECASE,
         )
-        if each.unit
-        else re.sub(r"\s*\[[^\[]*\]$", "", each.name)
-        for each in columns
+        if column.unit
+        else re.sub(r"\s*\[[^\[]*\]$", "", column.name)
+        for column in columns
     ]
     return ", ".join(
-        f"{stem} [{before}{each.usual_unit}]" for stem, each in zip(stems, columns, strict=True)
+        f"{stem} [{before}{column.usual_unit}]" for stem, column in zip(stems, columns, strict=True)
     )
 
 
@@ -600,12 +606,14 @@ def _columns_at_frequency(
     named: list[ScanColumn], frequency_hz: float | None
 ) -> tuple[list[ScanColumn], list[str]]:
     """The columns at the actuator's frequency, and all that have none, and a note."""
-    lines_hz = np.array([each.frequency_hz for each in named if each.frequency_hz is not None])
+    lines_hz = np.array(
+        [column.frequency_hz for column in named if column.frequency_hz is not None]
+    )
     several = len(set(lines_hz)) > 1
     if frequency_hz is None or not len(lines_hz):
         return named, []
     line_hz, far = nearest_spectral_line(lines_hz, frequency_hz)
-    of_model = any(AT_FREQUENCY_PATTERN.search(each.name) for each in named)
+    of_model = any(AT_FREQUENCY_PATTERN.search(column.name) for column in named)
     most = MAX_MODE_DISTANCE_FRACTION if of_model else MAX_FREQUENCY_OFFSET_FRACTION
     are_khz = of_model and bool(min(abs(1e3 * lines_hz / frequency_hz - 1)) <= most)
     in_khz = f"; if they are in kHz, write the unit: @ freq={lines_hz[0]:.7g} kHz" * are_khz
@@ -616,5 +624,5 @@ def _columns_at_frequency(
             f"the columns are at {line_hz:.7g} Hz, and the actuator vibrates at "
             f"{frequency_hz:.7g} Hz (actuator.frequency){in_khz}"
         )
-    kept = [each for each in named if each.frequency_hz in (None, line_hz)]
+    kept = [column for column in named if column.frequency_hz in (None, line_hz)]
     return kept, [f"columns at {line_hz:.7g} Hz"]

@@ -135,9 +135,9 @@ def read_point_table(
             raise InputError("real and imaginary part must be both displacements or velocities")
         taken = {column.column_index for column in columns.values()}
         understood = {
-            each.column_index
-            for each in header_columns(header)
-            if each.quantity not in {*COORDINATE_UNITS, "height", "line"}
+            column.column_index
+            for column in header_columns(header)
+            if column.quantity not in {*COORDINATE_UNITS, "height", "line"}
         }
         ignored = [repr(name) for at, name in enumerate(header) if at not in taken | understood]
         beside = f"; not understood: {list_text(ignored)}" * bool(ignored)
@@ -159,9 +159,9 @@ def read_point_table(
             f"{problem}; the columns are {', '.join(columns)}{beside}" for problem in problems[-1:]
         ]
         problems[:0] = [
-            f"a time series ({each.name!r}) is no shape; {TIME_SERIES_REMEDY}"
-            for each in header_columns(header)
-            if each.quantity == "time" and problems and not motion
+            f"a time series ({column.name!r}) is no shape; {TIME_SERIES_REMEDY}"
+            for column in header_columns(header)
+            if column.quantity == "time" and problems and not motion
         ]
         unplaced = {"r", "phi"} if {"x", "y"} <= {*columns} else set[str]()
         problems += unit_problems([columns[name] for name in columns if name not in unplaced])
@@ -174,8 +174,8 @@ def read_point_table(
             raise InputError("; and ".join([*problems, *wants_of_points(points, remedies)]))
     needed = max(taken) + 1
     in_columns = at_frequency or any(
-        each.quantity == "frequency" and (each.size or not each.unit)
-        for each in header_columns(header)
+        column.quantity == "frequency" and (column.size or not column.unit)
+        for column in header_columns(header)
     )
     lines, joined = lines_of_one_table(
         lines,
@@ -203,7 +203,7 @@ def read_point_table(
     if frequency_hz is not None:
         reject_points_off_surface(cells, settings, columns)
     cells, states, invalid = valid_rows(cells, settings)
-    others = [repr(each.name) for each in settings if each not in states]
+    others = [repr(column.name) for column in settings if column not in states]
     notes += [*[f"ignored columns: {', '.join(others)}"] * bool(others), *invalid]
     amplitudes = cells[[column.column_index for column in motion]]
     lacking = cells.index[amplitudes.map(is_missing).any(axis=1)]
@@ -251,14 +251,16 @@ def _columns_of_second_table(
         return {}, ""
     for number, (line, below) in enumerate(pairwise(lines[first:]), first + 1):
         header, row = split_cells(line, separator), split_cells(below, separator)
-        column_of_quantity = {each.quantity: each for each in header_columns(header)}
+        column_of_quantity = {column.quantity: column for column in header_columns(header)}
         indices = [
-            each.column_index for name, each in column_of_quantity.items() if name in lacking[0]
+            column.column_index for name, column in column_of_quantity.items() if name in lacking[0]
         ]
         numbers = parse_numbers(pd.Series(row, dtype=object))
         if indices and len(row) == len(header) > 1 and numbers.iloc[indices].notna().all():
             known = {
-                name: each for name, each in column_of_quantity.items() if name in USABLE_QUANTITIES
+                name: column
+                for name, column in column_of_quantity.items()
+                if name in USABLE_QUANTITIES
             }
             return known, (
                 f"the positions and the amplitudes are in two tables, the second, "

@@ -19,7 +19,7 @@ from squeezefilm.film.measured.scan import (
 from squeezefilm.text_tables.header import COMMENT_PATTERN, MAX_TITLE_LINES
 from squeezefilm.text_tables.header_cells import fold_accents
 
-FREQUENCY_WORDS = [each for each in WORDS_OF_MEANING["frequency"] if each not in ("f", "hz", "khz")]
+FREQUENCY_WORDS = [word for word in WORDS_OF_MEANING["frequency"] if word not in ("f", "hz", "khz")]
 FREQUENCY_LINE_PATTERN = re.compile(
     r"(?:\A[#%!\s]*|\d\s+)(?:(?:excitation|drive|driving|anregungs|激励|励振|加振)\s*)?"
     rf"(?:{'|'.join(FREQUENCY_WORDS)})\W*?(?:[\[(]([kmg]?hz)[\])])?[\s\"]*[:=;,\t]"
@@ -119,7 +119,7 @@ def _tables_at_frequency(
         raise InputError(f"a line above the header tells another frequency: {far}")
     chosen = [table for table in tables if table.frequency_hz == line_hz]
     if several:
-        told_text = list_text([f"{each:.7g}" for each in told_hz])
+        told_text = list_text([f"{table_hz:.7g}" for table_hz in told_hz])
         return chosen, [f"read at {line_hz:.7g} Hz, of tables at {told_text} Hz"]
     return chosen, joined + [f"read at {line_hz:.7g} Hz"] * (line_hz != frequency_hz)
 

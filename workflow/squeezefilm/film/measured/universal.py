@@ -86,20 +86,22 @@ def read_universal_file(path: Path, frequency_hz: float, rows: str) -> Scan:
             except Exception as error:
                 raise InputError(f"set {number + 1} (data set {kind}): {error}") from None
     length = next(
-        (float(each["length"]) for each in sets if each.get("type") == UNITS_DATASET), 1.0
+        (float(dataset["length"]) for dataset in sets if dataset.get("type") == UNITS_DATASET), 1.0
     )
     position_of_node = {
         int(node): complex(x, y) / length
-        for each in sets
-        if each.get("type") in NODES_DATASETS
-        for node, x, y in zip(each["node_nums"], each["x"], each["y"], strict=True)
+        for dataset in sets
+        if dataset.get("type") in NODES_DATASETS
+        for node, x, y in zip(dataset["node_nums"], dataset["x"], dataset["y"], strict=True)
     }
     if not position_of_node:
         raise InputError("no positions of nodes (data set 15 or 2411) are in it; export them too")
     if shapes:
-        modes = [each for each in sets if each.get("type") == MODE_SHAPE_DATASET]
+        modes = [dataset for dataset in sets if dataset.get("type") == MODE_SHAPE_DATASET]
         modes += [
-            _results_as_mode_shape(each) for each in sets if each.get("type") == RESULTS_DATASET
+            _results_as_mode_shape(dataset)
+            for dataset in sets
+            if dataset.get("type") == RESULTS_DATASET
         ]
         return _scan_of_mode_shape(path, modes, position_of_node, frequency_hz, rows)
     if of_mode:
@@ -188,21 +190,24 @@ def _scan_at_frequency(
 ) -> Scan:
     """The shape that functions have at the actuator's frequency, of one reference."""
     omega = 2 * math.pi * frequency_hz
-    every = [each for each in sets if each.get("type") == FUNCTION_DATASET]
+    every = [dataset for dataset in sets if dataset.get("type") == FUNCTION_DATASET]
     is_roving_hammer = (
-        len({(each["rsp_node"], each["rsp_dir"]) for each in every}) == 1 < len(every)
+        len({(function["rsp_node"], function["rsp_dir"]) for function in every}) == 1 < len(every)
     )
     if is_roving_hammer:
         every = [
-            each | {own: each[other] for own, other in RECIPROCAL_KEYS.items()} for each in every
+            function | {own: function[other] for own, other in RECIPROCAL_KEYS.items()}
+            for function in every
         ]
-    functions = [each for each in every if abs(int(each["rsp_dir"])) == NORMAL_DIRECTION] or every
+    functions = [
+        function for function in every if abs(int(function["rsp_dir"])) == NORMAL_DIRECTION
+    ] or every
     beside = [f"{len(every) - len(functions)} functions along x or y ignored"]
     beside *= len(functions) < len(every)
     functions, aside = _motion_functions(functions, position_of_node)
     functions = _functions_of_reference(functions, reference)
-    nodes = [int(each["rsp_node"]) for each in functions]
-    kinds = {int(each.get("ordinate_spec_data_type", 0)) for each in functions}
+    nodes = [int(function["rsp_node"]) for function in functions]
+    kinds = {int(function.get("ordinate_spec_data_type", 0)) for function in functions}
     raise_first_problem(
         "universal file",
         {
@@ -215,7 +220,7 @@ def _scan_at_frequency(
             not in [{kind} for kind in OMEGA_POWER_OF_DATA_TYPE],
         },
     )
-    rows = [_amplitude_at_spectral_line(each, omega / (2 * math.pi)) for each in functions]
+    rows = [_amplitude_at_spectral_line(function, omega / (2 * math.pi)) for function in functions]
     measured, lines_hz = (np.array(column) for column in zip(*rows, strict=True))
     numbers, seen = 1 + np.arange(len(nodes)), np.isfinite(measured)
     amplitude = measured[seen].astype(complex) / omega ** OMEGA_POWER_OF_DATA_TYPE[min(kinds)]
@@ -260,19 +265,23 @@ def _functions_of_reference(
 ) -> list[dict[str, Any]]:
     """The functions with the reference that is asked for, or all of them."""
     names = [
-        f"{int(each['ref_node'])}{NAME_OF_DIRECTION.get(int(each['ref_dir']), '')}"
-        for each in functions
+        f"{int(function['ref_node'])}{NAME_OF_DIRECTION.get(int(function['ref_dir']), '')}"
+        for function in functions
     ]
     counts = Counter(names)
     listing = ", ".join(f"{name} ({count} functions)" for name, count in counts.items())
     asked = [name for name in counts if reference in (name, name.rstrip("+-XYZR"))]
     ways = f"its references are {listing}; take one by actuator.profile.rows: reference = "
-    nodes = {int(each["rsp_node"]) for each in functions}
+    nodes = {int(function["rsp_node"]) for function in functions}
     if reference and len(asked) != 1:
         raise InputError(f"{reference!r} is not one of them: {ways}{min(counts, default='')}")
     if not reference and len(counts) > 1 and len(nodes) < len(functions):
         raise InputError(f"a node has several functions; {ways}{names[0]}")
-    return [each for each, name in zip(functions, names, strict=True) if name in (asked or counts)]
+    return [
+        function
+        for function, name in zip(functions, names, strict=True)
+        if name in (asked or counts)
+    ]
 
 
 def _amplitude_at_spectral_line(

@@ -80,13 +80,13 @@ def scan_errors_table(
     numbers = values.select_dtypes("number")
     ends = np.cumsum([1 + len(misfits) + len(noise.profiles) for noise in noises])
     rows = [numbers.iloc[slice(*ends_of)] for ends_of in zip([0, *ends], ends, strict=False)]
-    own = values.loc[[each.index[0] for each in rows]].reset_index(drop=True)
-    off = [(each.iloc[1 : 1 + len(misfits)] - each.iloc[0]).abs().max() for each in rows]
+    own = values.loc[[row.index[0] for row in rows]].reset_index(drop=True)
+    off = [(row.iloc[1 : 1 + len(misfits)] - row.iloc[0]).abs().max() for row in rows]
     misfit = pd.DataFrame(off).fillna(0.0)
     spread = pd.DataFrame(
         [
-            noise.spread(each.iloc[0], each.iloc[1 + len(misfits) :])
-            for noise, each in zip(noises, rows, strict=True)
+            noise.spread(row.iloc[0], row.iloc[1 + len(misfits) :])
+            for noise, row in zip(noises, rows, strict=True)
         ],
         columns=numbers.columns,
     )
@@ -128,8 +128,8 @@ class _NoiseUnderPad:
         """Principal components of draws under the pad: noise elsewhere moves no force."""
         x_m, y_m = scene.inside()
         amplitudes = [
-            replace(scene, actuator=replace(scene.actuator, profile=each)).amplitude(x_m, y_m)
-            for each in (profile, *drawn)
+            replace(scene, actuator=replace(scene.actuator, profile=shape)).amplitude(x_m, y_m)
+            for shape in (profile, *drawn)
         ]
         own, *others = np.reshape(amplitudes, (len(amplitudes), -1))
         changes = np.array(others) - own
@@ -139,14 +139,14 @@ class _NoiseUnderPad:
         if 2 * count >= len(drawn):
             return cls(drawn, None)
         directions, coefficients = left[:, :count], np.array(profile.coefficients)
-        steps = directions.T @ ([each.coefficients for each in drawn] - coefficients)
+        steps = directions.T @ ([shape.coefficients for shape in drawn] - coefficients)
         steps /= np.sqrt(len(drawn))
         # These directions stand for the variance of the others too.
         widening = np.sqrt(rest[0] / (rest[0] - rest[count]))
         return cls(
             [
-                replace(profile, coefficients=tuple(each.tolist()))
-                for each in (*(coefficients + steps), *(coefficients - steps))
+                replace(profile, coefficients=tuple(values.tolist()))
+                for values in (*(coefficients + steps), *(coefficients - steps))
             ],
             widening * np.sqrt(len(drawn)) * directions,
         )
@@ -168,7 +168,7 @@ def quadrature_effect_fraction(scene: Scene, smoothed: SmoothedScan) -> float:
     """
     x, y = scene.inside()
     other = replace(scene, actuator=replace(scene.actuator, profile=smoothed.out_of_phase))
-    first, second = (float(np.mean(each.amplitude(x, y) ** 2)) for each in (scene, other))
+    first, second = (float(np.mean(film.amplitude(x, y) ** 2)) for film in (scene, other))
     return second / first / (1 - scene.epsilon) if first else math.inf
 
 

@@ -125,9 +125,12 @@ def curve_figure(table: pd.DataFrame) -> Figure:
     predictions = [name for name in result.error_columns if "95" in name and name in table]
     not_validated = known[predictions].isna().any(axis=1)
     known = known.assign(error=error, filled=within & ~unknown & ~not_validated)
+    distances = [name for name in factors if name in POSITION_COLUMNS and name != "phi_deg"]
+    is_centred = not table[distances].any(axis=None)
     at_one = [name for name in factors if counts[name] == 1]
+    at_one = [name for name in at_one if not (is_centred and name in POSITION_COLUMNS)]
     title = [_factor_value_text(name, known[name].iloc[0]) for name in at_one if len(known)]
-    title += [] if {*factors} & {*POSITION_COLUMNS} else ["pad centred"]
+    title += ["pad centred"] * is_centred
     title += [f"study {name}" for name in table.get("study", pd.Series(dtype=str)).unique()]
     if varied in ([*CARTESIAN_COLUMNS], [*POLAR_COLUMNS]):
         figure, *notes = _draw_map(known, result, varied)
