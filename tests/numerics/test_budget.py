@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import nullcontext
 from dataclasses import replace
-from math import isnan
+from math import isnan, nan
 from unittest.mock import Mock
 
 import numpy as np
@@ -54,6 +54,33 @@ def test_the_edge_loss_is_that_of_a_strip_at_every_order(
         of_strip = strip.mean_overpressure(loss) / without - 1
         assert change / np.diff(lossless)[0] == pytest.approx(of_strip, rel=5e-3)
         assert abs(of_strip) > 0.005
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("unknown_law", [None, 1])
+def test_an_edge_loss_of_which_one_end_is_unknown_is_unknown(
+    monkeypatch: pytest.MonkeyPatch, unknown_law: int | None
+) -> None:
+    """Of a polytropic film whose iteration oversteps below vacuum, where there is no gas."""
+
+    def changes_without_one(*args, laws, **options):
+        changes = edge_effect_changes(*args, laws=laws, **options)
+        if laws == SEPARATE_LAWS and unknown_law is not None:
+            changes[:, unknown_law] = nan
+        return changes
+
+    monkeypatch.setattr(model_error.edge_effects, "edge_effect_changes", changes_without_one)
+    scene = film(epsilon=0.9, sigma=44.9, profile=PISTON, aspect=0.3)
+    scene = at_reynolds(scene, 11.3).with_gas(inertia="none", polytropic_exponent=1.3)
+    (budget,) = error_budgets([scene])
+    assert ("edge_loss" in budget.unknown_effect_names) == (unknown_law is not None)
+
+
+def test_the_known_effects_contain_the_edge_loss_of_either_coefficient() -> None:
+    effects = dict.fromkeys(EFFECT_NAMES, Effect(0.0, 0.0))
+    effects |= {"thermal": Effect(nan), "slip": Effect(-1.0, 0.1), "edge_loss": Effect(-8.0, 0.2)}
+    budget = ErrorBudget(effects, edge_loss_upper_percent=-12.0)
+    assert budget.known_error_percent == pytest.approx(13.3)
 
 
 def test_effects_together_are_one_solve_more(scene: Scene) -> None:

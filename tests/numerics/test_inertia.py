@@ -346,6 +346,16 @@ def test_auto_includes_terms_by_one_grid_and_excludes_them_by_two(
     assert solved_for == grid_counts
 
 
+@pytest.mark.parametrize("speed_m_per_s", [0.0, 5.0])
+def test_auto_excludes_all_terms_of_a_surface_at_rest(speed_m_per_s: float) -> None:
+    """Such a scene begins many a curve over the amplitude."""
+    pad = Pad(20e-3, 20e-3, shape="ellipse", speed_x_m_per_s=speed_m_per_s)
+    actuator = Actuator(frequency_hz=20e3, surface_radius_m=15e-3, profile=PISTON)
+    at_rest = Film(Gas(inertia="auto", thermal="auto"), actuator, pad).scene(10e-6, 0.0)
+    (scene,) = resolve_auto_terms([at_rest])
+    assert (scene.gas.inertia, scene.gas.thermal) == ("none", "none")
+
+
 def test_auto_excludes_a_term_that_changes_the_force_by_little_less_than_the_tolerance() -> None:
     auto = moving(0.075, inertia="auto", thermal="auto", epsilon=0.53, sigma=11.0)
     (scene,) = resolve_auto_terms([auto])

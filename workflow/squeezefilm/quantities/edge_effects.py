@@ -262,8 +262,12 @@ def _edge_flow_potentials(films: Fields) -> list[np.ndarray]:
     """v of each flow term on the edge, c_k H^((3−k)/2) (g_k(P) − g_k(1)); inside it is 0."""
     gap, rise = films.gap, films.edge_gauge_pressure
     power, root = 1 + films.equation_numbers("inverse_exponent", absent=1.0), np.sqrt(gap)
-    # Isothermal, (P² − 1)/2.
-    potential = rise * (1 + rise / 2) if np.all(power == 2) else ((1 + rise) ** power - 1) / power
+    if np.all(power == 2):  # isothermal, (P² − 1)/2
+        potential = rise * (1 + rise / 2)
+    else:
+        # Of no gas where a step has overshot below vacuum: NaN, and a shorter one is tried.
+        with np.errstate(invalid="ignore"):
+            potential = ((1 + rise) ** power - 1) / power
     flows = [gap * root * potential]
     if films.equation_number_table["flow"].shape[1] > 1:
         slip, inverse = slip_coefficient_and_argument(films.equation_number_table, gap)

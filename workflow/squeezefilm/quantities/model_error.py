@@ -128,7 +128,11 @@ class ErrorBudget:
         if isfinite(sum(self.modelling_error_percent)):
             return max(map(abs, self.modelling_error_percent))
         known = [effect for effect in self.neglected_effects.values() if not isnan(effect.percent)]
-        return sum(abs(effect.percent) + effect.error_percent for effect in known)
+        sizes = [abs(effect.percent) + effect.error_percent for effect in known]
+        edge_loss = self.effects["edge_loss"]
+        if edge_loss in known:
+            sizes.append(abs(self.edge_loss_upper_percent - edge_loss.percent))
+        return sum(sizes)
 
 
 def error_budgets(scenes: Sequence[Scene], *, device: Device | None = None) -> list[ErrorBudget]:
@@ -353,6 +357,8 @@ def _error_budget_of_variants(
     edge_loss, edge_loss_upper, edge_flow = _effects_of_changes(
         changes["separate_edge_effects"][scene]
     )
+    if isnan(edge_loss_upper.percent):  # of one end nothing is told
+        edge_loss = UNKNOWN_EFFECT
     # Those of the film with all other effects, over that film's force.
     with_all = _mean_pressure_ratio(variants, film.together) / own.mean_pressure_ratios[1]
     joint = with_all * changes["joint_edge_effects"][film.together]

@@ -74,9 +74,9 @@ class FilmOnGrids:
 
         The error is estimated as that of a force, by the difference of the fields in place of a
         field: by how it changes from grid to grid, with the fall of thin layers. One grid tells no
-        error: it is infinite.
+        error: it is infinite. Films at rest, which all have no force, do not differ.
         """
-        if film is without:
+        if film is without or not any(film.mean_pressure_ratios + without.mean_pressure_ratios):
             return 0.0, 0.0
         *coarser, fine = np.subtract(film.mean_pressure_ratios, without.mean_pressure_ratios) / (
             self.mean_pressure_ratios
