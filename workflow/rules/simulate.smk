@@ -1,6 +1,6 @@
 # From a plan to its forces. As CSV, or for a sweep's many rows as Parquet.
 
-# Tables of the films of some plans, beside their forces.
+# Tables of the films of some plans, beside their forces; of positions, at the largest hv/h0.
 FILM_TABLES = {
     "screen": ["error_budget", "gains", "levitation", "response"],
     "four_factor": ["error_budget"],
@@ -154,6 +154,7 @@ for plan, tables in FILM_TABLES.items():
         params:
             code=code_of("figures" if "film" in tables else "solver", "film_tables"),
             study=sections("solver", *FILM),
+            largest_amplitude_ratio=plan == "four_factor",
         message:
             f"Tables of the films of {plan}: {', '.join(tables)}"
         script:

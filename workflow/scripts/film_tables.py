@@ -40,10 +40,21 @@ def cross_section_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFram
     return pd.concat(films, ignore_index=True)
 
 
+def at_largest_amplitude_ratio(points: pd.DataFrame) -> pd.DataFrame:
+    """The points of the largest hv/h0: all positions of a plan with each operating point at each.
+
+    Where a position matters most, and all that is drawn.
+    """
+    ratio = points["hv_m"] / points["h0_m"]
+    return points[ratio >= ratio.max() * (1 - 1e-9)].reset_index(drop=True)
+
+
 def main(snakemake: Job, config: Study) -> None:
     study = Film(config, {"outputs": ()})
     settings = study.solver()
     device, points = settings.device, read_scenes(snakemake.input.scenes)
+    if snakemake.params.largest_amplitude_ratio:
+        points = at_largest_amplitude_ratio(points)
     scenes = study.scenes(points)
     tables = {
         "error_budget": lambda: budget_table(points, study),

@@ -81,7 +81,7 @@ def edge_effect_changes(
     """Return the relative changes of the forces by the pressure on the edge, and their errors.
 
     Args:
-        solutions: of the scenes, with their states on two grids.
+        solutions: of the scenes, with their states on two grids, of STATE_FORCE_TOLERANCE at most.
         laws: as SEPARATE_LAWS.
 
     Returns:
@@ -150,14 +150,15 @@ def _edge_effect_changes_on_grid(
     films: Fields, *, laws: Sequence[tuple[float, float, float]], device: Device
 ) -> np.ndarray:
     """Changes of the mean pressure over it on one grid, (laws, scenes)."""
-    count, copies, no_law = len(films.scenes), 1 + len(laws), (0.0, 0.0, 0.0)
+    count, copies = len(films.scenes), len(laws)
+    mean_without_law = np.tile(films.mean(films.gauge_pressure_ratio), copies)
     films = films.at(np.tile(np.arange(count), copies))
-    factors = np.repeat([no_law, *laws], count, axis=0).T
+    factors = np.repeat(laws, count, axis=0).T
     factors[1] *= EDGE_RESISTANCE
     factors[2] *= edge_inertance(films.scenes)
     change, difference = np.zeros(count * copies), np.full(count * copies, np.nan)
     step, moved = np.ones(count * copies), np.full(count * copies, np.inf)
-    known, mean_without_law = np.zeros(count * copies, dtype=bool), np.zeros(0)
+    known = np.zeros(count * copies, dtype=bool)
     rows = np.arange(count * copies)  # that are still solved for
     for iteration in range(MAX_EDGE_ITERATIONS):
         active = films.at(rows)
@@ -167,8 +168,6 @@ def _edge_effect_changes_on_grid(
         step[rows] /= np.where(moved[rows] > before, 4, 1)
         edge = active.edge_gauge_pressure + step[rows, None, None, None] * move
         tried, mean = solve_with_edge_pressure(active, edge, device=device)
-        if iteration == 0:
-            mean_without_law = np.tile(mean[:count], copies)
         failed, last, earlier = np.isnan(mean), change[rows], difference[rows]
         change[rows] = np.where(failed, last, mean / mean_without_law[rows] - 1)
         # The first change is the effect, and no step of the iteration.
@@ -187,7 +186,7 @@ def _edge_effect_changes_on_grid(
         rows = rows[~settled & np.isfinite(change[rows]) & (step[rows] > MIN_EDGE_STEP)]
         if not len(rows):
             break
-    return np.where(known, change, np.nan).reshape(copies, count)[1:]
+    return np.where(known, change, np.nan).reshape(copies, count)
 
 
 def solve_with_edge_pressure(

@@ -44,9 +44,7 @@ MAX_VALID_REYNOLDS = reynolds_validity_limit("inertia neglected").not_applicable
 def error_budget(results: Results) -> Figure:
     """A map for each effect and for their sum, and lines over the position."""
     screen = _budgets_of_plan(results, "screen")
-    positions = _budgets_of_plan(results, "four_factor")
-    largest = positions["hv_um"] / positions["h0_um"]
-    along = positions[largest >= largest.max() * (1 - 1e-9)]
+    along = _budgets_of_plan(results, "four_factor")
     figure = style.new_figure(wide=True, height_in=4.3)
     grid = figure.add_gridspec(2, 4)
     squares = [grid[row, column] for row, columns in ((0, 4), (1, 2)) for column in range(columns)]
