@@ -402,8 +402,14 @@ def _error_budget_of_variants(
 
 
 def _effects_of_changes(changes: np.ndarray) -> list[Effect]:
-    """Return effects by relative changes of a force and their errors, (2, effects)."""
-    return [Effect(100 * float(change), 100 * abs(float(error))) for change, error in changes.T]
+    """Return effects by relative changes of a force and their errors, (2, effects).
+
+    An effect without an error is unknown: its iteration may settle on the finer grid alone.
+    """
+    return [
+        UNKNOWN_EFFECT if isnan(error) else Effect(100 * float(change), 100 * abs(float(error)))
+        for change, error in changes.T
+    ]
 
 
 def _mean_pressure_ratio(variants: Mapping[Scene, FilmOnGrids], scene: Scene) -> float:
