@@ -130,7 +130,7 @@ class ErrorBudget:
         known = [effect for effect in self.neglected_effects.values() if not isnan(effect.percent)]
         sizes = [abs(effect.percent) + effect.error_percent for effect in known]
         edge_loss = self.effects["edge_loss"]
-        if edge_loss in known:
+        if not isnan(edge_loss.percent):
             sizes.append(abs(self.edge_loss_upper_percent - edge_loss.percent))
         return sum(sizes)
 
@@ -313,9 +313,11 @@ def _is_resolved(
 ) -> bool:
     """Return whether effects are known as closely as the largest needs, or as it pays.
 
-    It does not where one is unknown: on finer grids it stays so, and with it the total.
+    It does not where one is unknown for want of a state: on finer grids it stays so, and with it
+    the total. The iteration of an edge effect may settle there.
     """
-    if any(isnan(effect.percent) for effect in budget.effects.values()):
+    effects_with_states = budget.effects.keys() - {"edge_loss", "edge_flow"}
+    if any(isnan(budget.effects[name].percent) for name in effects_with_states):
         return True
     known = [variants[scene] for scene in film.scenes if scene in variants]
     dearest = max((variant.operation_count for variant in known), default=0.0)
