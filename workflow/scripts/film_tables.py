@@ -41,10 +41,7 @@ def cross_section_table(settings: SolverSettings, scenes: Scenes) -> pd.DataFram
 
 
 def at_largest_amplitude_ratio(points: pd.DataFrame) -> pd.DataFrame:
-    """The points of the largest hv/h0: all positions of a plan with each operating point at each.
-
-    Where a position matters most, and all that is drawn.
-    """
+    """The points of the largest hv/h0, where the position matters most."""
     ratio = points["hv_m"] / points["h0_m"]
     return points[ratio >= ratio.max() * (1 - 1e-9)].reset_index(drop=True)
 

@@ -231,7 +231,7 @@ def _read_table(
     wanted = [name for name in columns_in_table_form(columns, table) if name in table]
     table = table[wanted + [name for name in table if name not in wanted] * (others == "kept")]
     problems: list[tuple[int, str]] = []
-    for name in [number for number in columns_in_table_form(numbers, wanted) if number in wanted]:
+    for name in [column for column in columns_in_table_form(numbers, wanted) if column in wanted]:
         cells = table[name].tolist()
         values = np.array([*map(number_of_cell, cells)], dtype=float)
         for row in np.flatnonzero(~np.isfinite(values)).tolist():

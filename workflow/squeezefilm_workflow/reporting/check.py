@@ -344,9 +344,12 @@ def passed_and_failed_text(table: pd.DataFrame, *, study: str) -> str:
             missing if (table["got"] == MISSING).any() else "",
         ]
         return " ".join(filter(None, sentences))
+    passed = f"All {len(table)} quantities that are compared passed"
+    largest = table["of_tolerance"].max()
+    if not largest:
+        return f"{passed}; they equal the reference."
     return (
-        f"All {len(table)} quantities that are compared passed; the largest difference from the "
-        f"reference is {table['of_tolerance'].max():.2g} of the allowed one."
+        f"{passed}; the largest difference from the reference is {largest:.2g} of the allowed one."
     )
 
 

@@ -80,13 +80,13 @@ def scan_errors_table(
     numbers = values.select_dtypes("number")
     ends = np.cumsum([1 + len(misfits) + len(noise.profiles) for noise in noises])
     rows = [numbers.iloc[slice(*ends_of)] for ends_of in zip([0, *ends], ends, strict=False)]
-    own = values.loc[[row.index[0] for row in rows]].reset_index(drop=True)
-    off = [(row.iloc[1 : 1 + len(misfits)] - row.iloc[0]).abs().max() for row in rows]
+    own = values.loc[[of_film.index[0] for of_film in rows]].reset_index(drop=True)
+    off = [(of_film.iloc[1 : 1 + len(misfits)] - of_film.iloc[0]).abs().max() for of_film in rows]
     misfit = pd.DataFrame(off).fillna(0.0)
     spread = pd.DataFrame(
         [
-            noise.spread(row.iloc[0], row.iloc[1 + len(misfits) :])
-            for noise, row in zip(noises, rows, strict=True)
+            noise.spread(of_film.iloc[0], of_film.iloc[1 + len(misfits) :])
+            for noise, of_film in zip(noises, rows, strict=True)
         ],
         columns=numbers.columns,
     )
