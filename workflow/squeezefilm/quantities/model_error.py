@@ -359,7 +359,7 @@ def _error_budget_of_variants(
     edge_loss, edge_loss_upper, edge_flow = _effects_of_changes(
         changes["separate_edge_effects"][scene]
     )
-    if isnan(edge_loss_upper.percent):  # of one end nothing is told
+    if isnan(edge_loss_upper.error_percent):  # of one end nothing is told
         edge_loss = UNKNOWN_EFFECT
     # Those of the film with all other effects, over that film's force.
     with_all = _mean_pressure_ratio(variants, film.together) / own.mean_pressure_ratios[1]
@@ -393,7 +393,11 @@ def _error_budget_of_variants(
     if film.unsolvable:
         together = nan
     return ErrorBudget(
-        effects,
+        # Without an error, as where an iteration settles on the finer grid alone, one is unknown.
+        {
+            name: UNKNOWN_EFFECT if isnan(effect.error_percent) else effect
+            for name, effect in effects.items()
+        },
         edge_loss_upper_percent=edge_loss_upper.percent,
         modelling_error_percent=(
             float(together + min(ends) - error),
@@ -404,14 +408,8 @@ def _error_budget_of_variants(
 
 
 def _effects_of_changes(changes: np.ndarray) -> list[Effect]:
-    """Return effects by relative changes of a force and their errors, (2, effects).
-
-    An effect without an error is unknown: its iteration may settle on the finer grid alone.
-    """
-    return [
-        UNKNOWN_EFFECT if isnan(error) else Effect(100 * float(change), 100 * abs(float(error)))
-        for change, error in changes.T
-    ]
+    """Return effects by relative changes of a force and their errors, (2, effects)."""
+    return [Effect(100 * float(change), 100 * abs(float(error))) for change, error in changes.T]
 
 
 def _mean_pressure_ratio(variants: Mapping[Scene, FilmOnGrids], scene: Scene) -> float:
